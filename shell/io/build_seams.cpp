@@ -90,7 +90,7 @@ std::array<std::vector<char>, 3> bound_at(const ShellModel& m, double time) {
     if (stage.from <= time) now = &stage.constraints;
   std::array<std::vector<char>, 3> bound;
   for (int d = 0; d < 3; ++d) {
-    bound[d].assign(m.tables.plane, 0);
+    bound[d].assign(m.tables.component_stride, 0);
     const auto bind = [&](const std::vector<int>& slots) {
       for (const int slot : slots) bound[d][slot] = 1;
     };

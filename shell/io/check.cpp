@@ -131,7 +131,7 @@ std::string warning_lines(const RunSetup& setup) {
 
 double megabytes(const ShellState& s) {
   return 1e-6 * (2.0 * 8.0 * s.cracked.tables.metric.size() +
-                 8.0 * (s.layers.surface_stress.size() + 12.0 * static_cast<double>(s.motion.x.size())));
+                 8.0 * (s.layers.face_stress.size() + 12.0 * static_cast<double>(s.motion.x.size())));
 }
 
 }  // namespace

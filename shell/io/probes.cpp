@@ -19,7 +19,7 @@ Vec3 reaction(const ShellModel& m, const ShellState& s, const Vec3& gravity, con
     for (const int slot : part.slots[d])
       // A dependent control point at a seam has no mass; its force counts at those it depends on.
       if (!s.motion.detached[slot] && s.motion.mass[slot] > 0.0)
-        sum[d] -= s.motion.force[d * m.tables.plane + slot] + s.motion.mass[slot] * gravity[d];
+        sum[d] -= s.motion.force[d * m.tables.component_stride + slot] + s.motion.mass[slot] * gravity[d];
   return sum;
 }
 
@@ -31,9 +31,9 @@ Vec3 reaction(const ShellModel& m, const ShellState& s, const Vec3& gravity) {
 
 Vec3 support_impulse(const ShellState& s, const Constraints::Part& part) {
   Vec3 sum = Vec3::Zero();
-  const std::size_t plane = s.motion.support_impulse.size() / 3;
-  for (int d = 0; d < 3 && plane > 0; ++d)
-    for (const int slot : part.slots[d]) sum[d] += s.motion.support_impulse[d * plane + slot];
+  const std::size_t stride = s.motion.support_impulse.size() / 3;
+  for (int d = 0; d < 3 && stride > 0; ++d)
+    for (const int slot : part.slots[d]) sum[d] += s.motion.support_impulse[d * stride + slot];
   return sum;
 }
 

@@ -40,7 +40,7 @@ Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std
   for (const GatheredFunction& f : p.functions) {
     const Pack4 n = load<Pack4>(&f.n[1]);
     for (int c = 0; c < 3; ++c) {
-      const double at = x[static_cast<std::size_t>(c) * t.plane + f.slot];
+      const double at = x[static_cast<std::size_t>(c) * t.component_stride + f.slot];
       four[c] += n * at, uv[c] += f.n[5] * at;
     }
   }
@@ -202,7 +202,7 @@ void spread(const RowTables& t, const GatheredPoint& p, const Derivatives<double
             std::vector<double>& force) {
   const auto along = [&](const Vector<double>& v) { return k == 0 ? v.x : k == 1 ? v.y : v.z; };
   const double all[5] = {along(g.u), along(g.v), along(g.uu), along(g.vv), along(g.uv)};
-  double* const component = force.data() + static_cast<std::size_t>(k) * t.plane;
+  double* const component = force.data() + static_cast<std::size_t>(k) * t.component_stride;
   for (const GatheredFunction& f : p.functions)
     for (int i = 0; i < 5; ++i) component[f.slot] += f.n[i + 1] * all[i];
 }

@@ -51,8 +51,8 @@ BatchGeometry gather_batch(const BatchCall& call, const Batch& batch) {
   BatchGeometry b;
   Pack parts[kLanes][3 * kDerivatives];
   for (int i = 0; i < batch.count; ++i) {
-    const PointStrips::Entry& e = call.strips.entry(batch.number[i], *batch.points[i], call.t.plane);
-    call.strips.gather(e, call.x, call.t.plane, parts[i]);
+    const PointStrips::Entry& e = call.strips.entry(batch.number[i], *batch.points[i], call.t.component_stride);
+    call.strips.gather(e, call.x, call.t.component_stride, parts[i]);
     for (int k = 0; k < kDerivatives; ++k) b.unit[k][i] = e.unit[k];
     b.area[i] = batch.points[i]->area;
   }
@@ -89,8 +89,8 @@ void scatter_batch(const BatchCall& call, const Batch& batch, const BatchGeometr
     if (!sound[i]) continue;
     double own[3 * kDerivatives];
     for (int k = 0; k < 3 * kDerivatives; ++k) own[k] = in_units[k][i];
-    const PointStrips::Entry& e = call.strips.entry(batch.number[i], *batch.points[i], call.t.plane);
-    call.strips.scatter(e, own, call.t.plane, call.force);
+    const PointStrips::Entry& e = call.strips.entry(batch.number[i], *batch.points[i], call.t.component_stride);
+    call.strips.scatter(e, own, call.t.component_stride, call.force);
   }
 }
 
@@ -190,7 +190,7 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
                         const LayerMemory& memory, PointScratch& scratch, std::vector<double>& force,
                         const PointsBeside& beside) {
   if (points.empty() && !beside) return 0.0;
-  const std::size_t size = 3 * static_cast<std::size_t>(t.plane);
+  const std::size_t size = 3 * static_cast<std::size_t>(t.component_stride);
   scratch.force.resize(kPointChunks * size);
   const BatchFunction sum_batch = batch_function(memory, call.energy, call.stress.values != nullptr);
   double sums[kPointChunks] = {}, booked[kPointChunks] = {};

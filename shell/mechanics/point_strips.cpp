@@ -50,7 +50,7 @@ void PointStrips::prepare(std::size_t points) {
   wide_ = {}, narrow_ = {}, unused_ = 0;
 }
 
-void PointStrips::pack(Entry& entry, const GatheredPoint& point, int plane) {
+void PointStrips::pack(Entry& entry, const GatheredPoint& point, int stride) {
   unused_ += entry.count;
   entry = {point.stamp};
   sorted_.clear();
@@ -62,16 +62,16 @@ void PointStrips::pack(Entry& entry, const GatheredPoint& point, int plane) {
     entry.narrow = entry.narrow && are_multiples(point.functions, k, entry.unit[k]);
   }
   if (!entry.narrow) entry.unit.fill(1.0);
-  entry.narrow ? fill(entry, narrow_, plane) : fill(entry, wide_, plane);
+  entry.narrow ? fill(entry, narrow_, stride) : fill(entry, wide_, stride);
 }
 
 template <class Strip>
-void PointStrips::fill(Entry& entry, Strips<Strip>& all, int plane) {
+void PointStrips::fill(Entry& entry, Strips<Strip>& all, int stride) {
   entry.begin = static_cast<std::uint32_t>(all.strips.size());
   int first = -kLanes;
   for (const GatheredFunction* f : sorted_) {
     if (f->slot >= first + kLanes) {
-      first = std::min(f->slot, plane - kLanes);
+      first = std::min(f->slot, stride - kLanes);
       all.strips.push_back({}), all.slot.push_back(first);
     }
     for (int k = 0; k < kDerivatives; ++k) {

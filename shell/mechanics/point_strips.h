@@ -33,11 +33,11 @@ class PointStrips {
 
   /// Makes room for `points` entries. Packs all again once more than half of the memory is unused.
   void prepare(std::size_t points);
-  /// Returns the entry of a point, up to date. `number` counts the points of this thread; `plane` is the component
+  /// Returns the entry of a point, up to date. `number` counts the points of this thread; `stride` is the component
   /// stride.
-  const Entry& entry(std::size_t number, const GatheredPoint& point, int plane) {
+  const Entry& entry(std::size_t number, const GatheredPoint& point, int stride) {
     Entry& e = entries_[number];
-    if (e.stamp != point.stamp) pack(e, point, plane);
+    if (e.stamp != point.stamp) pack(e, point, stride);
     return e;
   }
   /// Releases the memory of a point that exerts no force any more.
@@ -48,12 +48,12 @@ class PointStrips {
 
   /// Sums functions times positions x [component][slot]. Derivative k of component c is the sum over the lanes of
   /// to[3 k + c], in units.
-  void gather(const Entry& e, const double* x, std::size_t plane, Pack* to) const {
-    e.narrow ? gather(e, narrow_, x, plane, to) : gather(e, wide_, x, plane, to);
+  void gather(const Entry& e, const double* x, std::size_t stride, Pack* to) const {
+    e.narrow ? gather(e, narrow_, x, stride, to) : gather(e, wide_, x, stride, to);
   }
   /// Adds forces to control points. g[3 k + c]: force on component c of derivative k, times its unit.
-  void scatter(const Entry& e, const double* g, std::size_t plane, double* force) const {
-    e.narrow ? scatter(e, narrow_, g, plane, force) : scatter(e, wide_, g, plane, force);
+  void scatter(const Entry& e, const double* g, std::size_t stride, double* force) const {
+    e.narrow ? scatter(e, narrow_, g, stride, force) : scatter(e, wide_, g, stride, force);
   }
 
  private:
@@ -79,11 +79,11 @@ class PointStrips {
   };
 
   template <class Strip>
-  static void gather(const Entry& e, const Strips<Strip>& all, const double* x, std::size_t plane, Pack* to) {
+  static void gather(const Entry& e, const Strips<Strip>& all, const double* x, std::size_t stride, Pack* to) {
     Pack d[kDerivatives][3] = {};
     for (std::uint32_t s = e.begin; s < e.begin + e.count; ++s) {
       const double* at = x + all.slot[s];
-      const Pack p[3] = {load<Pack>(at), load<Pack>(at + plane), load<Pack>(at + 2 * plane)};
+      const Pack p[3] = {load<Pack>(at), load<Pack>(at + stride), load<Pack>(at + 2 * stride)};
       for (int k = 0; k < kDerivatives; ++k) {
         const Pack n = all.strips[s].derivative(k);
         for (int c = 0; c < 3; ++c) d[k][c] += n * p[c];
@@ -93,24 +93,24 @@ class PointStrips {
       for (int c = 0; c < 3; ++c) to[3 * k + c] = d[k][c];
   }
   template <class Strip>
-  static void scatter(const Entry& e, const Strips<Strip>& all, const double* g, std::size_t plane, double* force) {
+  static void scatter(const Entry& e, const Strips<Strip>& all, const double* g, std::size_t stride, double* force) {
     Pack f[kDerivatives][3];
     for (int k = 0; k < kDerivatives; ++k)
       for (int c = 0; c < 3; ++c) f[k][c] = splat<Pack>(g[3 * k + c]);
     for (std::uint32_t s = e.begin; s < e.begin + e.count; ++s) {
       double* at = force + all.slot[s];
-      Pack sum[3] = {load<Pack>(at), load<Pack>(at + plane), load<Pack>(at + 2 * plane)};
+      Pack sum[3] = {load<Pack>(at), load<Pack>(at + stride), load<Pack>(at + 2 * stride)};
       for (int k = 0; k < kDerivatives; ++k) {
         const Pack n = all.strips[s].derivative(k);
         for (int c = 0; c < 3; ++c) sum[c] += n * f[k][c];
       }
-      for (int c = 0; c < 3; ++c) store<Pack>(at + c * plane, sum[c]);
+      for (int c = 0; c < 3; ++c) store<Pack>(at + c * stride, sum[c]);
     }
   }
 
-  void pack(Entry& entry, const GatheredPoint& point, int plane);
+  void pack(Entry& entry, const GatheredPoint& point, int stride);
   template <class Strip>
-  void fill(Entry& entry, Strips<Strip>& all, int plane);
+  void fill(Entry& entry, Strips<Strip>& all, int stride);
 
   std::vector<Entry> entries_;
   Strips<Wide> wide_;

@@ -64,7 +64,7 @@ template <int kSupport>
                                                     double* c) {
   const int stride = t.stride;
   for (int d = 0; d < 3; ++d) {
-    const double* x0 = x + static_cast<std::size_t>(d) * t.plane + static_cast<std::size_t>(f) * stride;
+    const double* x0 = x + static_cast<std::size_t>(d) * t.component_stride + static_cast<std::size_t>(f) * stride;
     const double *x1 = x0 + stride, *x2 = x1 + stride;
     double *c0 = c + d * stride, *c1 = c + (3 + d) * stride, *c2 = c + (6 + d) * stride;
     for (int i = 0; i < stride; i += kLanes) {

@@ -8,7 +8,7 @@ namespace sunder::shell {
 
 const double* homogeneous(const RowTables& t, const std::vector<double>& x, RowScratch& scratch) {
   if (!t.rational) return x.data();
-  const std::size_t component_stride = t.plane;
+  const std::size_t component_stride = t.component_stride;
   scratch.weighted.resize(x.size());
   for (int d = 0; d < 3; ++d)
     for (std::size_t i = 0; i < component_stride; ++i)
@@ -22,7 +22,7 @@ void sum_rows(const RowTables& t, const RowScratch& scratch, int threads, std::v
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (int j = 0; j < t.rows; ++j)
     for (int d = 0; d < 3; ++d) {
-      double* o = &force[static_cast<std::size_t>(d) * t.plane + static_cast<std::size_t>(j) * t.stride];
+      double* o = &force[static_cast<std::size_t>(d) * t.component_stride + static_cast<std::size_t>(j) * t.stride];
       std::fill(o, o + t.stride, 0.0);
       for (int f = std::max(0, j - t.degree); f <= std::min(t.spans_v - 1, j); ++f) {
         const double* part = &scratch.row_force[row_size * f + ((j - f) * 3 + d) * static_cast<std::size_t>(t.stride)];

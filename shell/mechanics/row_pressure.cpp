@@ -24,7 +24,8 @@ void pressed_row(const RowTables& t, const double* weight, double pressure, cons
     const double* by = &t.basis_v[static_cast<std::size_t>(row) * 3 * kSupport];
     for (int d = 0; d < 3; ++d)
       for (int i = 0; i < stride; i += kLanes) {
-        const double* net = x + static_cast<std::size_t>(d) * t.plane + static_cast<std::size_t>(f) * stride + i;
+        const double* net =
+            x + static_cast<std::size_t>(d) * t.component_stride + static_cast<std::size_t>(f) * stride + i;
         Pack value{}, first{};
         for (int j = 0; j < kSupport; ++j) {
           const Pack p = load<Pack>(net + j * stride);
@@ -85,7 +86,7 @@ void pressure_forces(const RowTables& t, const std::vector<double>& weight, cons
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (int f = 0; f < t.spans_v; ++f) row(t, weight.data(), pressure, positions, f, &scratch.row_force[row_size * f]);
   sum_rows(t, scratch, threads, force);
-  const std::size_t component_stride = t.plane;
+  const std::size_t component_stride = t.component_stride;
   for (const GatheredPoint& p : points) {
     if (p.kind == PointKind::kDead || p.in_rows) continue;
     double u[3] = {}, v[3] = {};

@@ -138,7 +138,7 @@ RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, c
   t.lanes = round_up(t.spans_u, kLanes);
   t.stride = round_up(t.lanes + t.degree, 8);
   if (t.stride % 16 == 0) t.stride += 8;  // an odd number of 64-byte lines
-  t.plane = t.stride * t.rows;
+  t.component_stride = t.stride * t.rows;
   t.rational = patch.rational();
   t.layers = layers;
   t.elasticity = elasticity;
@@ -162,7 +162,7 @@ RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, c
       for (const auto* n : {&basis.value, &basis.first, &basis.second})
         t.basis_v.insert(t.basis_v.end(), n->begin(), n->begin() + support);
     }
-  t.weight.assign(t.plane, 0.0);
+  t.weight.assign(t.component_stride, 0.0);
   for (int i = 0; i < t.columns * t.rows; ++i) t.weight[t.slot(i)] = patch.weights[i];
 
   t.metric.assign(static_cast<std::size_t>(t.blocks()) * kMetricFields * t.lanes, 0.0);

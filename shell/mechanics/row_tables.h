@@ -47,7 +47,7 @@ struct GaussPoint {
 };
 
 /// Layout of the arrays:
-///   control point (i, j)       slot j * stride + i; components x, y, z stand `plane` numbers apart
+///   control point (i, j)       slot j * stride + i; components x, y, z stand `component_stride` numbers apart
 ///   Gauss point (span e along u, point a; span f along v, point b)
 ///                              row r = f * gauss + b, block q = r * gauss + a, lane e
 /// Rows are padded to whole packs, with an odd number of cache lines so that components do not alias.
@@ -55,9 +55,9 @@ struct RowTables {
   int columns = 0, rows = 0;  // control points
   int spans_u = 0, spans_v = 0;
   int degree = 2;
-  int gauss = 0;              // points per span and direction
-  int stride = 0, plane = 0;  // row stride and component stride of control point arrays
-  int lanes = 0;              // row stride of Gauss point arrays
+  int gauss = 0;                         // points per span and direction
+  int stride = 0, component_stride = 0;  // row stride and component stride of control point arrays
+  int lanes = 0;                         // row stride of Gauss point arrays
   bool rational = false;
   Layers layers;
   Elasticity elasticity;

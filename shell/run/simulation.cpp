@@ -28,13 +28,13 @@ int gauss_points(const RunSetup& setup) {
 // Returns the part of m v- . v+ / 2 that half a kick of gravity adds [J], as forces do in kinetic_energy().
 double kick_of_gravity(const ShellModel& m, const ShellState& s, const Vec3& gravity, double dt) {
   double sum = 0.0;
-  for (int i = 0; i < m.tables.plane; ++i)
+  for (int i = 0; i < m.tables.component_stride; ++i)
     if (s.motion.inverse_mass[i] > 0.0) sum += 0.5 * dt * s.motion.mass[i] * gravity.dot(s.velocity(i));
   for (const auto& driven : m.constraints.driven)  // gravity does not move a driven control point
     for (int d = 0; d < 3; ++d)
       for (const int slot : driven.slots[d])
         if (s.motion.inverse_mass[slot] > 0.0 && s.motion.mass[slot] > 0.0)
-          sum -= 0.5 * dt * s.motion.mass[slot] * gravity[d] * s.motion.v[d * m.tables.plane + slot];
+          sum -= 0.5 * dt * s.motion.mass[slot] * gravity[d] * s.motion.v[d * m.tables.component_stride + slot];
   return sum;
 }
 

@@ -30,7 +30,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   if (stress_share > 0.0) {
     s.caches.over.resize(s.cracked.tables.blocks());
     if (s.caches.least_strength.empty()) s.caches.least_strength = least_strengths(s);
-    stress = {&s.layers.surface_stress, stress_share, &s.caches.least_strength, &s.caches.over};
+    stress = {&s.layers.face_stress, stress_share, &s.caches.least_strength, &s.caches.over};
   }
   RowPlasticity plastic;
   if (s.yields()) plastic = plasticity_of(m, s), plastic.advance = stress_share > 0.0;
@@ -68,25 +68,25 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
 }
 
 double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   double sum = 0.0;
   for (int d = 0; d < 3; ++d)
-    for (std::size_t i = 0; i < plane; ++i) {
+    for (std::size_t i = 0; i < stride; ++i) {
       if (s.motion.inverse_mass[i] == 0.0) continue;
-      const double v = s.motion.v[d * plane + i];
-      sum += 0.5 * s.motion.mass[i] * v * (v + dt * s.motion.inverse_mass[i] * s.motion.force[d * plane + i]);
+      const double v = s.motion.v[d * stride + i];
+      sum += 0.5 * s.motion.mass[i] * v * (v + dt * s.motion.inverse_mass[i] * s.motion.force[d * stride + i]);
     }
   for (const auto& driven : m.constraints.driven)  // forces do not move a driven control point
     for (int d = 0; d < 3; ++d)
       for (const int slot : driven.slots[d])
         if (s.motion.inverse_mass[slot] > 0.0 && s.motion.mass[slot] > 0.0)
-          sum -= 0.5 * dt * s.motion.v[d * plane + slot] * s.motion.force[d * plane + slot];
+          sum -= 0.5 * dt * s.motion.v[d * stride + slot] * s.motion.force[d * stride + slot];
   return sum;
 }
 
 double potential_energy(const ShellModel& m, const ShellState& s, const Vec3& gravity) {
   double sum = 0.0;
-  for (int i = 0; i < m.tables.plane; ++i)
+  for (int i = 0; i < m.tables.component_stride; ++i)
     if (s.motion.inverse_mass[i] > 0.0) sum -= s.motion.mass[i] * gravity.dot(s.position(i));
   return sum;
 }

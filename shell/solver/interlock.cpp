@@ -58,15 +58,15 @@ double sum_of(const Pack& a) {
   return sum;
 }
 
-// The same with packed functions. `x`: [3][plane].
-Gap gap_of(const ShellState& s, const Interlock& lock, const double* x, std::size_t plane) {
+// The same with packed functions. `x`: [3][component stride].
+Gap gap_of(const ShellState& s, const Interlock& lock, const double* x, std::size_t stride) {
   Gap r;
   for (int side = 0; side < 2; ++side) {
     const FaceStrips& strips = lock.strips[side];
     Pack sum[3][3] = {};
     for (std::size_t i = 0; i < strips.slot.size(); ++i)
       for (int c = 0; c < 3; ++c) {
-        const Pack at = load<Pack>(x + c * plane + strips.slot[i]);
+        const Pack at = load<Pack>(x + c * stride + strips.slot[i]);
         for (int k = 0; k < 3; ++k) sum[k][c] += strips.n[i][k] * at;
       }
     for (int c = 0; c < 3; ++c) {
@@ -87,13 +87,13 @@ void fetch_ahead(const Interlock& lock) {
       for (const Pack& k : n) __builtin_prefetch(&k);
 }
 
-FaceStrips packed(std::vector<GatheredFunction> functions, int plane) {
+FaceStrips packed(std::vector<GatheredFunction> functions, int stride) {
   std::sort(functions.begin(), functions.end(), [](const auto& a, const auto& b) { return a.slot < b.slot; });
   FaceStrips r;
   int first = -kLanes;
   for (const GatheredFunction& f : functions) {
     if (f.slot >= first + kLanes) {
-      first = std::min(f.slot, plane - kLanes);
+      first = std::min(f.slot, stride - kLanes);
       r.slot.push_back(first), r.n.push_back({});
     }
     for (int k = 0; k < 3; ++k) r.n.back()[k][f.slot - first] += f.n[k];
@@ -261,15 +261,15 @@ void spread(const Interlock& lock, const FaceForces& on, Add&& add) {
       add(f.slot, Vec3((side == 0 ? f.n[0] : -f.n[0]) * on.gap + f.n[1] * on.u[side] + f.n[2] * on.v[side]));
 }
 
-// The same with packed functions, to `force` [3][plane].
-void spread(const Interlock& lock, const FaceForces& on, std::size_t plane, double* force) {
+// The same with packed functions, to `force` [3][component stride].
+void spread(const Interlock& lock, const FaceForces& on, std::size_t stride, double* force) {
   if (on.none) return;
   for (int side = 0; side < 2; ++side) {
     const FaceStrips& strips = lock.strips[side];
     const Vec3 gap = side == 0 ? on.gap : Vec3(-on.gap);
     for (std::size_t i = 0; i < strips.slot.size(); ++i)
       for (int c = 0; c < 3; ++c) {
-        double* to = force + c * plane + strips.slot[i];
+        double* to = force + c * stride + strips.slot[i];
         const auto& n = strips.n[i];
         store<Pack>(to, load<Pack>(to) + n[0] * gap[c] + n[1] * on.u[side][c] + n[2] * on.v[side][c]);
       }
@@ -349,7 +349,7 @@ Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
 
 void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chunk, int chunks, const double* x,
                       double* force) {
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   const std::size_t end = s.cracks.interlocks.size() * (chunk + 1) / chunks;
   for (std::size_t i = s.cracks.interlocks.size() * chunk / chunks; i < end; ++i) {
     Interlock& lock = s.cracks.interlocks[i];
@@ -357,8 +357,8 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
     if (i + 1 < end) fetch_ahead(s.cracks.interlocks[i + 1]);
     for (int side = 0; side < 2; ++side)
       if (lock.strips[side].slot.empty())
-        lock.strips[side] = packed(side == 0 ? lock.plus : lock.minus, static_cast<int>(plane));
-    const Gap gap = gap_of(s, lock, x, plane);
+        lock.strips[side] = packed(side == 0 ? lock.plus : lock.minus, static_cast<int>(stride));
+    const Gap gap = gap_of(s, lock, x, stride);
     lock.sound = sound(lock, gap);
     lock.energy = 0.0;
     if (!(std::min(gap.side_c[0] / lock.rest_area[0], gap.side_c[1] / lock.rest_area[1]) > kNoFrame)) continue;
@@ -380,7 +380,7 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
       held += springs.hold;
       push(m, s, lock, gap, face, springs, 1.0, on);
     }
-    spread(lock, on, plane, force);
+    spread(lock, on, stride, force);
     lock.opening = opening;
     lock.energy = 0.5 * lock.stiffness * lock.area * held;
   }
@@ -411,12 +411,12 @@ void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& 
     const double held = energy_of(m, gap, lock);
     s.release_by_faces(held);
     std::vector<double>& force = s.discontinuity();
-    const std::size_t plane = force.size() / 3;
+    const std::size_t stride = force.size() / 3;
     FaceForces on;
     for (int face = 0; face < 2; ++face)
       push(m, s, lock, gap, face, springs_at(m, gap_at(m, gap, face), lock.points[face]), 1.0, on);
     spread(lock, on, [&](int slot, const Vec3& by_face) {
-      for (int d = 0; d < 3; ++d) force[d * plane + slot] += by_face[d];
+      for (int d = 0; d < 3; ++d) force[d * stride + slot] += by_face[d];
     });
     s.motion.last_force.clear();
   }

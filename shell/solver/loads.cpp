@@ -99,10 +99,10 @@ void add_load(const PreparedLoad& p, const RowTables& t, double time, const std:
               std::vector<double>& force) {
   const double factor = factor_at(p.load.in_time, time);
   if (factor == 0.0) return;
-  const std::size_t plane = t.plane;
+  const std::size_t component_stride = t.component_stride;
   for (const LoadSample& sample : p.samples) {
     const auto add = [&](const GatheredFunction& n, const Vec3& f) {
-      for (int d = 0; d < 3; ++d) force[d * plane + n.slot] += f[d];
+      for (int d = 0; d < 3; ++d) force[d * component_stride + n.slot] += f[d];
     };
     if (p.load.kind != Load::Kind::kEdgeMoment) {
       for (const GatheredFunction& n : sample.functions) add(n, factor * sample.weight * n.n[0] * p.load.force);
@@ -110,7 +110,8 @@ void add_load(const PreparedLoad& p, const RowTables& t, double time, const std:
     }
     Vec3 xu = Vec3::Zero(), xv = Vec3::Zero();
     for (const GatheredFunction& f : sample.functions)
-      for (int d = 0; d < 3; ++d) xu[d] += f.n[1] * x[d * plane + f.slot], xv[d] += f.n[2] * x[d * plane + f.slot];
+      for (int d = 0; d < 3; ++d)
+        xu[d] += f.n[1] * x[d * component_stride + f.slot], xv[d] += f.n[2] * x[d * component_stride + f.slot];
     const Vec3 cross = xu.cross(xv);
     // A rotation w about the edge's tangent t changes the normal by w t x n. The normal changes by -(n . dx_a) x^a, so
     // w = -(n . dx_a) (x^a . t x n). The moment's work is M w.
@@ -128,7 +129,7 @@ void add_load(const PreparedLoad& p, const RowTables& t, double time, const std:
 
 void load_forces(const PreparedLoads& loads, const RowTables& t, const std::vector<GatheredPoint>& points, double time,
                  const std::vector<double>& x, int threads, RowScratch& scratch, std::vector<double>& force) {
-  force.resize(3 * static_cast<std::size_t>(t.plane));
+  force.resize(3 * static_cast<std::size_t>(t.component_stride));
   double pressure = 0.0;
   for (const Load& load : loads.pressures) pressure += factor_at(load.in_time, time) * load.size;
   if (pressure != 0.0)

@@ -16,14 +16,14 @@ constexpr int kCoreLayers = 2;  // layers of an interlayer
 // Finds which slots are held along all axes, and the edges that are held with their slopes.
 void find_held(const ShellModel& m, const Constraints& c, std::vector<char>& held, int& clamped) {
   const RowTables& t = m.tables;
-  std::vector<int> axes(t.plane, 0);
+  std::vector<int> axes(t.component_stride, 0);
   for (const auto& slots : c.held)
     for (const int slot : slots) ++axes[slot];
   for (const auto& driven : c.driven)
     for (const auto& slots : driven.slots)
       for (const int slot : slots) ++axes[slot];
-  held.assign(t.plane, 0), clamped = 0;
-  for (int i = 0; i < t.plane; ++i) held[i] = axes[i] >= 3;
+  held.assign(t.component_stride, 0), clamped = 0;
+  for (int i = 0; i < t.component_stride; ++i) held[i] = axes[i] >= 3;
   const auto holds = [&](int edge, int depth) {
     const std::vector<int> row = edge_row(m.patch, edge, depth);
     const auto stays = [&](int i) { return !m.trim.drops(t.slot(i)); };
@@ -109,7 +109,7 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
         make_row_tables(m.patch, gauss, gauss_layers(kCoreLayers, core.thickness), soft, "shell '" + name + "'");
   }
   const RowTables& t = m.tables;
-  m.mass.assign(t.plane, 0.0);
+  m.mass.assign(t.component_stride, 0.0);
   // m_I = integral of rho tau N_I: the row sum of the consistent mass; it is positive for B-splines.
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
@@ -119,14 +119,14 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       for (int k = 0; k < s.count(); ++k)
         m.mass[s.row(k) * t.stride + s.column(k)] += m.material.density * thickness * area * s.value[k];
     }
-  m.rest.assign(3 * static_cast<std::size_t>(t.plane), 0.0);
+  m.rest.assign(3 * static_cast<std::size_t>(t.component_stride), 0.0);
   for (int i = 0; i < m.control_points(); ++i)
     for (int d = 0; d < 3; ++d)
-      m.rest[static_cast<std::size_t>(d) * t.plane + t.slot(i)] = m.patch.control_points[i][d];
-  m.held.assign(t.plane, 0);
+      m.rest[static_cast<std::size_t>(d) * t.component_stride + t.slot(i)] = m.patch.control_points[i][d];
+  m.held.assign(t.component_stride, 0);
   m.constraints = make_constraints(m.patch, supports, t.stride, "shell '" + name + "'");
   m.loads = prepare_loads(m.patch, t, loads, "shell '" + name + "'");
-  m.parameter_of_slot.assign(t.plane, Vec2::Zero());
+  m.parameter_of_slot.assign(t.component_stride, Vec2::Zero());
   for (int i = 0; i < m.control_points(); ++i) {
     m.parameter.push_back(m.patch.greville(i));
     m.parameter_of_slot[t.slot(i)] = m.parameter.back();

@@ -46,21 +46,21 @@ void assign_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
 ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t seed) {
   const RowTables& t = m.tables;
   ShellState s;
-  const std::size_t plane = t.plane, gauss = static_cast<std::size_t>(t.blocks()) * t.lanes;
-  s.motion.x.assign(3 * plane, 0.0), s.motion.v.assign(3 * plane, 0.0), s.motion.force.assign(3 * plane, 0.0);
+  const std::size_t stride = t.component_stride, gauss = static_cast<std::size_t>(t.blocks()) * t.lanes;
+  s.motion.x.assign(3 * stride, 0.0), s.motion.v.assign(3 * stride, 0.0), s.motion.force.assign(3 * stride, 0.0);
   s.motion.mass = m.mass;
-  s.motion.inverse_mass.assign(plane, 0.0);
-  s.motion.detached.assign(plane, 0);
+  s.motion.inverse_mass.assign(stride, 0.0);
+  s.motion.detached.assign(stride, 0);
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = t.slot(i);
-    for (int d = 0; d < 3; ++d) s.motion.x[d * plane + slot] = m.patch.control_points[i][d];
+    for (int d = 0; d < 3; ++d) s.motion.x[d * stride + slot] = m.patch.control_points[i][d];
     if (m.held[slot] || m.trim.drops(slot)) continue;
     s.motion.inverse_mass[slot] = 1.0 / m.mass[slot];
-    for (int d = 0; d < 3; ++d) s.motion.v[d * plane + slot] = velocity[d];
+    for (int d = 0; d < 3; ++d) s.motion.v[d * stride + slot] = velocity[d];
   }
   for (int d = 0; d < 3; ++d)  // a held point has neither this velocity nor its energy
-    for (const int slot : m.constraints.held[d]) s.motion.v[d * plane + slot] = 0.0;
-  s.layers.surface_stress.assign(gauss * 6, 0.0);
+    for (const int slot : m.constraints.held[d]) s.motion.v[d * stride + slot] = 0.0;
+  s.layers.face_stress.assign(gauss * 6, 0.0);
   s.layers.c.assign(gauss, 0.0f), s.layers.c_his.assign(gauss, 0.0f);
   if (m.material.yield_stress > 0.0) {
     s.layers.plastic.assign(gauss * 4 * t.layers.zeta.size(), 0.0);

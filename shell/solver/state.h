@@ -42,11 +42,11 @@ struct Motion {
 
 /// Layers and faces of each Gauss point.
 struct LayerStates {
-  std::vector<double> surface_stress;  // [block][6][lane]: three components on each face [Pa]
-  std::vector<double> strength;        // [block][lane]: strength with its scatter [Pa]
-  std::vector<float> c, c_his;         // [block][lane]: damage now, and its maximum (paper eq. 9) [-]
-  std::vector<double> plastic;         // states of layers that yield (RowPlasticity); empty: no yielding
-  std::vector<double> plastic_forms;   // surface forms at the last plastic step
+  std::vector<double> face_stress;    // [block][6][lane]: three components on each face [Pa]
+  std::vector<double> strength;       // [block][lane]: strength with its scatter [Pa]
+  std::vector<float> c, c_his;        // [block][lane]: damage now, and its maximum (paper eq. 9) [-]
+  std::vector<double> plastic;        // states of layers that yield (RowPlasticity); empty: no yielding
+  std::vector<double> plastic_forms;  // surface forms at the last plastic step
   std::vector<double> fibres;  // [block][lane][below, above][r13, r23, r33]; empty: none (solver/contact/fibres.h)
   double brittleness = 0.0;    // H of eq. 9 [-]; 0: damage does not drive cracks
   bool heals = true;           // damage falls with the stress; otherwise it keeps its maximum
@@ -54,7 +54,7 @@ struct LayerStates {
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
-    f(surface_stress, strength, c, c_his, plastic, plastic_forms, fibres, brittleness, heals);
+    f(face_stress, strength, c, c_his, plastic, plastic_forms, fibres, brittleness, heals);
   }
 };
 
@@ -125,15 +125,15 @@ struct ShellState {
   Vec3 position(int slot) const { return at(motion.x, slot); }
   Vec3 velocity(int slot) const { return at(motion.v, slot); }
   Vec3 at(const std::vector<double>& a, int slot) const {
-    const std::size_t plane = a.size() / 3;
-    return {a[slot], a[plane + slot], a[2 * plane + slot]};
+    const std::size_t stride = a.size() / 3;
+    return {a[slot], a[stride + slot], a[2 * stride + slot]};
   }
   /// Books an impulse [N s] on a control point that is held along all axes: its supports bear it.
   void pass_to_supports(int slot, const Vec3& impulse) {
     std::vector<double>& sum = motion.support_impulse;
     if (sum.empty() || motion.inverse_mass[slot] > 0.0) return;
-    const std::size_t plane = sum.size() / 3;
-    sum[slot] -= impulse.x(), sum[plane + slot] -= impulse.y(), sum[2 * plane + slot] -= impulse.z();
+    const std::size_t stride = sum.size() / 3;
+    sum[slot] -= impulse.x(), sum[stride + slot] -= impulse.y(), sum[2 * stride + slot] -= impulse.z();
   }
   /// Books an impulse [N s] along an axis on a control point that is held along it.
   void pass_to_supports(int slot, int axis, double impulse) {
@@ -143,8 +143,8 @@ struct ShellState {
   /// Books an impulse [N s] of contact on a control point, where it is measured.
   void count_contact(int slot, const Vec3& impulse) {
     std::vector<double>& sum = motion.contact_impulse;
-    const std::size_t plane = sum.size() / 3;
-    for (int d = 0; d < 3 && plane > 0; ++d) sum[d * plane + slot] += impulse[d];
+    const std::size_t stride = sum.size() / 3;
+    for (int d = 0; d < 3 && stride > 0; ++d) sum[d * stride + slot] += impulse[d];
   }
   /// The same of body `id` on the shell.
   void count_body(std::size_t id, const Vec3& impulse) {
@@ -152,8 +152,8 @@ struct ShellState {
     for (std::size_t d = 0, first = 3 * (id - 1); d < 3 && first + 3 <= sum.size(); ++d) sum[first + d] += impulse[d];
   }
   void add_velocity(int slot, const Vec3& dv) {
-    const std::size_t plane = motion.v.size() / 3;
-    motion.v[slot] += dv.x(), motion.v[plane + slot] += dv.y(), motion.v[2 * plane + slot] += dv.z();
+    const std::size_t stride = motion.v.size() / 3;
+    motion.v[slot] += dv.x(), motion.v[stride + slot] += dv.y(), motion.v[2 * stride + slot] += dv.z();
   }
 };
 

@@ -163,7 +163,7 @@ struct KnownMean {
   double time = -1.0;
   std::size_t edges = 0;
   bool found = false;
-  double six[6];
+  double face_stress[6];
   Neighbours around;
 };
 

@@ -157,7 +157,7 @@ bool on_tied(const ShellModel& m, const Vec2& p) {
 }
 
 std::vector<char> held_slots(const ShellModel& m) {
-  std::vector<char> held(m.tables.plane, 0);
+  std::vector<char> held(m.tables.component_stride, 0);
   for (int d = 0; d < 3; ++d) {
     for (const int slot : m.constraints.held[d]) held[slot] = 1;
     for (const auto& driven : m.constraints.driven)
@@ -202,7 +202,7 @@ void drop_points(ShellModel& m, const std::vector<char>& kept) {
   Trimming& trim = m.trim;
   const Continuation from{m, kept};
   const std::vector<char> held = held_slots(m);
-  trim.dropped_of.assign(m.tables.plane, -1);
+  trim.dropped_of.assign(m.tables.component_stride, -1);
   for (int i = 0; i < m.control_points(); ++i) {
     if (kept[i]) continue;
     const int slot = m.tables.slot(i);
@@ -220,7 +220,8 @@ void drop_points(ShellModel& m, const std::vector<char>& kept) {
       for (const auto& [k, share] : on) x += share * m.patch.control_points[k];
       m.patch.control_points[i] = x;
       for (const auto& [k, share] : on) d.on.emplace_back(m.tables.slot(k), share);
-      for (int axis = 0; axis < 3; ++axis) m.rest[static_cast<std::size_t>(axis) * m.tables.plane + slot] = x[axis];
+      for (int axis = 0; axis < 3; ++axis)
+        m.rest[static_cast<std::size_t>(axis) * m.tables.component_stride + slot] = x[axis];
     }
     trim.dropped_of[slot] = static_cast<int>(trim.dropped.size());
     trim.dropped.push_back(std::move(d));
@@ -382,13 +383,13 @@ void shell_functions(const ShellModel& m, int block, int lane, std::vector<Gathe
 }
 
 void follow(const Trimming& trim, std::vector<double>& field) {
-  const std::size_t plane = field.size() / 3;
+  const std::size_t stride = field.size() / 3;
   for (const DroppedPoint& d : trim.dropped) {
     if (d.on.empty()) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       double sum = 0.0;
-      for (const auto& [slot, share] : d.on) sum += share * field[axis * plane + slot];
-      field[axis * plane + d.slot] = sum;
+      for (const auto& [slot, share] : d.on) sum += share * field[axis * stride + slot];
+      field[axis * stride + d.slot] = sum;
     }
   }
 }
@@ -398,7 +399,7 @@ void trim_state(const ShellModel& m, ShellState& s) {
   const RowTables& t = m.tables;
   for (const DroppedPoint& d : trim.dropped) {
     s.motion.detached[d.slot] = 1, s.motion.mass[d.slot] = s.motion.inverse_mass[d.slot] = 0.0;
-    for (int axis = 0; axis < 3; ++axis) s.motion.v[static_cast<std::size_t>(axis) * t.plane + d.slot] = 0.0;
+    for (int axis = 0; axis < 3; ++axis) s.motion.v[static_cast<std::size_t>(axis) * t.component_stride + d.slot] = 0.0;
   }
   s.cracked.gathered = trim.points, s.cracked.point_of = trim.point_of;
   for (const GatheredPoint& g : trim.points) {

@@ -48,12 +48,12 @@ std::unique_ptr<Sheet> sheet(int across, int along, double strength = 0.0, doubl
             {},
             0.0});
   s->state = make_state(s->model, Vec3::Zero(), 1);
-  const std::size_t plane = s->model.tables.plane;
+  const std::size_t stride = s->model.tables.component_stride;
   for (int i = 0; i < s->model.control_points(); ++i) {
     const int slot = s->model.tables.slot(i);
     const Vec3 x = s->state.position(slot);
     s->state.motion.x[slot] *= 1.0 + strain;
-    s->state.motion.x[2 * plane + slot] = 1e-5 * std::sin(40.0 * x.x()) * std::cos(30.0 * x.y());
+    s->state.motion.x[2 * stride + slot] = 1e-5 * std::sin(40.0 * x.x()) * std::cos(30.0 * x.y());
   }
   s->layer_points = static_cast<double>(s->model.tables.gauss_points()) * kLayers;
   return s;
@@ -87,8 +87,8 @@ void scalar_reference(benchmark::State& b, Sheet& s) {
       g.area = field(kArea);
       points.push_back(std::move(g));
     }
-  const std::size_t plane = t.plane;
-  std::vector<double> out(3 * plane);
+  const std::size_t stride = t.component_stride;
+  std::vector<double> out(3 * stride);
   for (auto _ : b) {
     std::fill(out.begin(), out.end(), 0.0);
     for (const GatheredPoint& p : points) {
@@ -100,8 +100,8 @@ void scalar_reference(benchmark::State& b, Sheet& s) {
       for (const GatheredFunction& n : p.functions)
         for (int k = 0; k < 5; ++k) {
           out[n.slot] += n.n[k + 1] * all[k]->x;
-          out[plane + n.slot] += n.n[k + 1] * all[k]->y;
-          out[2 * plane + n.slot] += n.n[k + 1] * all[k]->z;
+          out[stride + n.slot] += n.n[k + 1] * all[k]->y;
+          out[2 * stride + n.slot] += n.n[k + 1] * all[k]->z;
         }
     }
     benchmark::DoNotOptimize(out.data());
@@ -262,9 +262,9 @@ void measure_kernels(const std::string& filter, std::map<std::string, double>& o
   if (out.count("achieved_gflops") && out.count("fma_peak_gflops"))
     out["share_of_fma_peak"] = out["achieved_gflops"] / out["fma_peak_gflops"];
   const RowTables& mt = middle->model.tables;
-  out["bytes_per_layer_point"] =
-      (8.0 * static_cast<double>(mt.metric.size() + mt.basis_u.size() + mt.basis_v.size()) + 8.0 * 9.0 * mt.plane) /
-      middle->layer_points;
+  out["bytes_per_layer_point"] = (8.0 * static_cast<double>(mt.metric.size() + mt.basis_u.size() + mt.basis_v.size()) +
+                                  8.0 * 9.0 * mt.component_stride) /
+                                 middle->layer_points;
 }
 
 std::vector<bench::ProcessBenchmark> benchmarks_of_runs() {

@@ -75,7 +75,7 @@ TEST(Laminate, HalvesThatPartFeelTheInterlayerAlone) {
   for (int i = 0; i < m.control_points(); ++i)
     for (int d = 0; d < 3; ++d)
       if (m.parameter[i].x() > cut) {
-        const std::size_t k = d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i);
+        const std::size_t k = d * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i);
         s.motion.x[k] += apart[d], alone.motion.x[k] += apart[d];
       }
   const double energy = compute_forces(m, s, true, 0.0, 1), expected = compute_forces(core, alone, true, 0.0, 1);

@@ -62,7 +62,7 @@ inline void disturb(ShellState& s, const ShellModel& m, double size) {
   std::uniform_real_distribution<double> uniform(-size, size);
   for (int i = 0; i < m.control_points(); ++i)
     for (int d = 0; d < 3; ++d)
-      s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += uniform(random);
+      s.motion.x[d * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] += uniform(random);
 }
 
 constexpr double kFoldFlat = 0.1;  // half of what fold_up() leaves flat [m]
@@ -77,7 +77,7 @@ void fold_up(const ShellModel& m, ShellState& s, Speed&& speed) {
     const double radius = 0.12, angle = std::min(bent / radius, 1.6), straight = bent - radius * angle;
     s.motion.x[slot] =
         side * (std::min(std::abs(x), kFoldFlat) + radius * std::sin(angle) + straight * std::cos(angle));
-    s.motion.x[2 * static_cast<std::size_t>(m.tables.plane) + slot] =
+    s.motion.x[2 * static_cast<std::size_t>(m.tables.component_stride) + slot] =
         radius * (1.0 - std::cos(angle)) + straight * std::sin(angle);
     if (straight > 1e-9) s.motion.v[slot] = -side * speed(straight);  // within the turn it is round-off
   }
@@ -91,7 +91,7 @@ inline void expect_gradient(const ShellModel& m, ShellState& s) {
   const double epsilon = 1e-6 * m.spacing;
   for (int i = 0; i < m.control_points(); i += 3)
     for (int d = 0; d < 3; ++d) {
-      const std::size_t k = d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i);
+      const std::size_t k = d * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i);
       const double x = s.motion.x[k];
       s.motion.x[k] = x + epsilon;
       const double high = compute_forces(m, s, true, 0.0, 1);

@@ -50,7 +50,8 @@ double largest_force(const ShellModel& m, ShellState& s) {
 void move(const ShellModel& m, ShellState& s, const std::vector<int>& points, const Quat& turn, const Vec3& by) {
   for (const int i : points) {
     const Vec3 x = turn * s.at(m.rest, m.tables.slot(i)) + by;
-    for (int d = 0; d < 3; ++d) s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] = x[d];
+    for (int d = 0; d < 3; ++d)
+      s.motion.x[d * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] = x[d];
   }
 }
 

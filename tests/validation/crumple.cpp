@@ -85,7 +85,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   for (int i = 0; i < m.control_points(); ++i) {  // waves without symmetry
     const int slot = m.tables.slot(i);
     const Vec3 x = std::numbers::pi * s.position(slot) / kSize;
-    s.motion.v[2 * m.tables.plane + slot] =
+    s.motion.v[2 * m.tables.component_stride + slot] =
         0.5 * std::sin(3.0 * x.x() + 2.0 * x.y() + 0.7) + 0.4 * std::cos(2.0 * x.x() - 5.0 * x.y() + 0.2);
   }
   ShellContact contact({&m}, {}, {1, std::vector<SurfaceLaw>(1)});
@@ -97,7 +97,8 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
     for (int i = 0; i < m.control_points(); ++i) {
       const int slot = m.tables.slot(i);
       for (int d = 0; d < 3; ++d)
-        s.motion.force[d * m.tables.plane + slot] -= kPull * kPull * s.motion.mass[slot] * s.position(slot)[d];
+        s.motion.force[d * m.tables.component_stride + slot] -=
+            kPull * kPull * s.motion.mass[slot] * s.position(slot)[d];
     }
     return elastic;
   };

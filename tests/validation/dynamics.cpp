@@ -31,8 +31,8 @@ double frequency(int p, int q, int elements, int threads, int degree = 2) {
   Rig rig(setup_of({{square(elements, {hinge}, degree)}}), threads);
   const ShellModel& m = rig.model();
   ShellState& s = rig.state();
-  const std::size_t plane = m.tables.plane;
-  std::vector<double> shape(plane, 0.0);
+  const std::size_t stride = m.tables.component_stride;
+  std::vector<double> shape(stride, 0.0);
   for (int i = 0; i < m.control_points(); ++i) {
     const Vec2 g = m.parameter[i];
     shape[m.tables.slot(i)] = std::sin(p * kPi * g.x()) * std::sin(q * kPi * g.y());
@@ -40,11 +40,11 @@ double frequency(int p, int q, int elements, int threads, int degree = 2) {
   const double dt = 0.5 * stable_step(m, s, 150, threads, false);
   const double rigidity = 70e9 * std::pow(0.004, 3) / 12.0 / (1.0 - 0.22 * 0.22);
   const double omega = (p * p + q * q) * kPi * kPi * std::sqrt(rigidity / (2500 * 0.004));
-  for (std::size_t i = 0; i < plane; ++i)
-    if (s.motion.inverse_mass[i] > 0.0) s.motion.v[2 * plane + i] = 1e-6 * omega * shape[i];  // 1 um: a linear motion
+  for (std::size_t i = 0; i < stride; ++i)
+    if (s.motion.inverse_mass[i] > 0.0) s.motion.v[2 * stride + i] = 1e-6 * omega * shape[i];  // 1 um: a linear motion
   const auto share = [&] {
     double sum = 0.0;
-    for (std::size_t i = 0; i < plane; ++i) sum += m.mass[i] * shape[i] * s.motion.x[2 * plane + i];
+    for (std::size_t i = 0; i < stride; ++i) sum += m.mass[i] * shape[i] * s.motion.x[2 * stride + i];
     return sum;
   };
   double before = 0.0, first = -1.0, last = 0.0;
@@ -110,7 +110,7 @@ void vibration_case(Report& r, int threads) {
   Rig rig(setup_of({{square(6, {}), Vec3(1.0, -2.0, 0.5)}}), threads);
   const ShellModel& m = rig.model();
   ShellState& s = rig.state();
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
     const Vec3 x = s.position(slot);
@@ -124,7 +124,7 @@ void vibration_case(Report& r, int threads) {
   };
   const auto momenta = [&](Vec3& p, Vec3& l, double& scale_p, double& scale_l) {
     p = l = Vec3::Zero(), scale_p = scale_l = 0.0;
-    for (std::size_t i = 0; i < plane; ++i) {
+    for (std::size_t i = 0; i < stride; ++i) {
       const Vec3 q = s.motion.mass[i] * s.velocity(static_cast<int>(i)), c = s.position(static_cast<int>(i)).cross(q);
       p += q, l += c, scale_p += q.norm(), scale_l += c.norm();
     }

@@ -52,7 +52,7 @@ void hinge(Report& r, int threads) {
     Rig rig(std::move(setup), threads);
     ShellState& s = rig.state();
     cut(m, s);
-    const std::size_t plane = m.tables.plane;
+    const std::size_t stride = m.tables.component_stride;
     std::vector<int> left;  // slots of the left edge; both edges are held
     for (int i = 0; i < m.control_points(); ++i) {
       const double x = m.parameter[i].x();
@@ -77,7 +77,7 @@ void hinge(Report& r, int threads) {
     const double exact = material.density * kThickness * kWidth * weight * half * half / (2.0 * rise);
     r.add(fmt::format("hinge_thrust_{}", elements), thrust, exact, 0.02, seconds_now() - start);
     double fastest = 0.0;
-    for (std::size_t i = 0; i < 3 * plane; ++i) fastest = std::max(fastest, std::abs(s.motion.v[i]));
+    for (std::size_t i = 0; i < 3 * stride; ++i) fastest = std::max(fastest, std::abs(s.motion.v[i]));
     r.lines.push_back(fmt::format("hinge {}: the middle sinks {:.3g} mm of the {:.3g} mm of its rise; still {:.1g} m/s",
                                   elements, 1e3 * drop, 0.5e3 * kThickness, fastest));
   }
@@ -95,11 +95,11 @@ void block(Report& r, int) {
                      kThickness, material, 2, 2, {});
       ShellState s = make_state(m, Vec3::Zero(), 0);
       cut(m, s);
-      const std::size_t plane = m.tables.plane;
+      const std::size_t stride = m.tables.component_stride;
       const int way = across ? 2 : 1;
       const auto move = [&](int axis, double by) {
         for (int i = 0; i < m.control_points(); ++i)
-          if (m.parameter[i].x() > 0.5 * kLength) s.motion.x[axis * plane + m.tables.slot(i)] += by;
+          if (m.parameter[i].x() > 0.5 * kLength) s.motion.x[axis * stride + m.tables.slot(i)] += by;
       };
       move(0, -2e-6);
       const double step = 2e-8;
@@ -116,7 +116,7 @@ void block(Report& r, int) {
         for (int i = 0; i < m.control_points(); ++i) {
           if (m.parameter[i].x() <= 0.5 * kLength) continue;
           const int slot = m.tables.slot(i);
-          pressure += s.motion.force[slot], shear -= s.motion.force[way * plane + slot];
+          pressure += s.motion.force[slot], shear -= s.motion.force[way * stride + slot];
         }
         work += 0.5 * (last + shear) * step, last = shear;
       }

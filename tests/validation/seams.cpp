@@ -155,8 +155,8 @@ double probe(const Divided& d, const Displacement& u) {
   std::vector<Vec3> net;
   for (int i = 0; i < m.control_points(); ++i) {
     const std::vector<double>& all = u[d.shell];
-    const int slot = m.tables.slot(i), plane = static_cast<int>(all.size() / 3);
-    net.emplace_back(all[slot], all[plane + slot], all[2 * plane + slot]);
+    const int slot = m.tables.slot(i), stride = static_cast<int>(all.size() / 3);
+    net.emplace_back(all[slot], all[stride + slot], all[2 * stride + slot]);
   }
   const SurfacePoint x = m.patch.evaluate(d.at);
   return m.patch.evaluate(d.at, net).x.dot(x.u.cross(x.v).normalized());

@@ -108,7 +108,7 @@ std::vector<double> deflection(const ShellModel& m) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(free.count);
   for (std::size_t i = 0; i < free.number.size(); ++i)
     if (const int n = free.number[i]; n >= 0)
-      k.coeffRef(n, n) += slowest * s.motion.mass[i % m.tables.plane], load[n] = s.motion.external[i];
+      k.coeffRef(n, n) += slowest * s.motion.mass[i % m.tables.component_stride], load[n] = s.motion.external[i];
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(k);
   require(factors.info() == Eigen::Success, "the stiffness of a trimmed plate cannot be factorised");
   const Eigen::VectorXd u = factors.solve(load);
@@ -121,7 +121,7 @@ std::vector<double> deflection(const ShellModel& m) {
 double height(const ShellModel& m, const std::vector<double>& u, const Vec2& at) {
   double w = 0.0;
   for (const GatheredFunction& f : shell_functions(m, at))
-    w += f.n[0] * u[2 * static_cast<std::size_t>(m.tables.plane) + f.slot];
+    w += f.n[0] * u[2 * static_cast<std::size_t>(m.tables.component_stride) + f.slot];
   return w;
 }
 
@@ -247,7 +247,7 @@ void turn(const ShellModel& m, ShellState& s, const Vec3& axis) {
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
     const Vec3 x = turned * s.position(slot) + Vec3(0.3, -0.2, 0.1);
-    for (int d = 0; d < 3; ++d) s.motion.x[static_cast<std::size_t>(d) * m.tables.plane + slot] = x[d];
+    for (int d = 0; d < 3; ++d) s.motion.x[static_cast<std::size_t>(d) * m.tables.component_stride + slot] = x[d];
   }
 }
 

@@ -61,7 +61,7 @@ TiedSystem::TiedSystem(const Pieces& pieces) : pieces_(pieces) {
     load_.conservativeResize(count_ + free_.back().count);
     for (std::size_t i = 0; i < free_.back().number.size(); ++i)
       if (const int n = free_.back().number[i]; n >= 0) {
-        mass_[count_ + n] = s.motion.mass[i % m.tables.plane];
+        mass_[count_ + n] = s.motion.mass[i % m.tables.component_stride];
         load_[count_ + n] = s.motion.external.empty() ? 0.0 : s.motion.external[i];
       }
     count_ += free_.back().count;
@@ -79,7 +79,8 @@ TiedSystem::TiedSystem(const Pieces& pieces) : pieces_(pieces) {
 }
 
 int TiedSystem::degree(int shell, int slot, int axis) const {
-  const int n = free_[shell].number[static_cast<std::size_t>(axis) * pieces_.models[shell].tables.plane + slot];
+  const int n =
+      free_[shell].number[static_cast<std::size_t>(axis) * pieces_.models[shell].tables.component_stride + slot];
   return n < 0 ? -1 : first_[shell] + n;
 }
 

@@ -42,25 +42,25 @@ void swing(Swing& out) {
   Rig rig(std::move(setup));
   const ShellModel& m = rig.model();
   ShellState& s = rig.state();
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
-    s.motion.v[2 * plane + slot] = 0.002 * std::sin(kPi * m.parameter[i].x()) * std::sin(kPi * m.parameter[i].y());
-    s.motion.x[2 * plane + slot] += 0.3 / kElements;  // no plane of grid nodes lies in the plate
-    if (s.motion.inverse_mass[slot] == 0.0) s.motion.v[2 * plane + slot] = 0.0;
+    s.motion.v[2 * stride + slot] = 0.002 * std::sin(kPi * m.parameter[i].x()) * std::sin(kPi * m.parameter[i].y());
+    s.motion.x[2 * stride + slot] += 0.3 / kElements;  // no plane of grid nodes lies in the plate
+    if (s.motion.inverse_mass[slot] == 0.0) s.motion.v[2 * stride + slot] = 0.0;
   }
   if (out.kind != Transfer::kDirect) s.motion.before = s.motion.v;
   const double rigidity = kYoung * std::pow(kThickness, 3) / 12.0 / (1.0 - kPoisson * kPoisson);
   const double period = 2.0 * kPi / (2.0 * kPi * kPi * std::sqrt(rigidity / (kDensity * kThickness)));
   const double dt = out.step * m.spacing / m.wave_speed();
   const int middle = m.tables.slot(m.control_points() / 2 + m.tables.columns / 2);
-  const double rest = s.motion.x[2 * plane + middle];
+  const double rest = s.motion.x[2 * stride + middle];
   double before = 1e-12, peak = 0.0, first_peak = 0.0, last_peak = 0.0, first = 0.0, last = 0.0;
   int crossings = 0;
   const std::int64_t steps = std::llround(kPeriods * period / dt);
   for (std::int64_t k = 1; k <= steps; ++k) {
     rig.step(dt);
-    const double now = s.motion.x[2 * plane + middle] - rest;
+    const double now = s.motion.x[2 * stride + middle] - rest;
     peak = std::max(peak, std::abs(now));
     if ((now > 0.0) != (before > 0.0)) {
       last = (static_cast<double>(k) - now / (now - before)) * dt;

@@ -15,8 +15,8 @@ std::vector<double> contact_stiffness(const ShellModel& m, ShellState& s, const 
                                       const ContactCandidates& candidates, const std::vector<char>& asked,
                                       int threads) {
   std::vector<double> stiffness(bodies.size(), 0.0);
-  const std::size_t plane = static_cast<std::size_t>(m.tables.plane);
-  std::vector<int> owner(plane, -1);
+  const std::size_t stride = static_cast<std::size_t>(m.tables.component_stride);
+  std::vector<int> owner(stride, -1);
   std::vector<Vec3> out(bodies.size(), Vec3::Zero());
   bool any = false;
   std::vector<GatheredFunction> functions;
@@ -38,14 +38,14 @@ std::vector<double> contact_stiffness(const ShellModel& m, ShellState& s, const 
   compute_forces(m, s, false, 0.0, threads);
   const std::vector<double> rest = s.motion.force, x = s.motion.x;
   const double step = kStep * m.thickness;
-  for (std::size_t i = 0; i < plane; ++i)
+  for (std::size_t i = 0; i < stride; ++i)
     if (owner[i] >= 0)
-      for (int d = 0; d < 3; ++d) s.motion.x[d * plane + i] += step * out[owner[i]][d];
+      for (int d = 0; d < 3; ++d) s.motion.x[d * stride + i] += step * out[owner[i]][d];
   compute_forces(m, s, false, 0.0, threads);
-  for (std::size_t i = 0; i < plane; ++i)
+  for (std::size_t i = 0; i < stride; ++i)
     if (owner[i] >= 0)
       for (int d = 0; d < 3; ++d)
-        stiffness[owner[i]] -= out[owner[i]][d] * (s.motion.force[d * plane + i] - rest[d * plane + i]) / step;
+        stiffness[owner[i]] -= out[owner[i]][d] * (s.motion.force[d * stride + i] - rest[d * stride + i]) / step;
   s.motion.x = x, s.motion.force = rest;
   for (double& k : stiffness) k = std::max(k, 0.0);
   return stiffness;

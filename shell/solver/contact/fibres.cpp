@@ -30,7 +30,7 @@ Fibres::Fibres(const std::vector<const ShellModel*>& shells, const std::vector<S
       near_(shells, with_fibres(shells), components(shells.size(), seams), std::sqrt(3.0) * kNodes * spacing,
             grid_.one_surface(), true) {
   for (const ShellModel* m : shells) {
-    forces_.emplace_back(m->has_fibres() ? m->tables.plane : 0, Vec3::Zero());
+    forces_.emplace_back(m->has_fibres() ? m->tables.component_stride : 0, Vec3::Zero());
     touched_.emplace_back();
   }
 }
@@ -189,9 +189,9 @@ void Fibres::add_forces(const std::vector<ShellRef>& shells) {
   }
   for (std::size_t k = 0; k < shells.size(); ++k) {
     ShellState& s = *shells[k].state;
-    const std::size_t plane = s.motion.mass.size();
+    const std::size_t stride = s.motion.mass.size();
     for (const int slot : touched_[k])
-      for (int d = 0; d < 3; ++d) s.motion.force[d * plane + slot] += forces_[k][slot][d];
+      for (int d = 0; d < 3; ++d) s.motion.force[d * stride + slot] += forces_[k][slot][d];
   }
 }
 

@@ -50,7 +50,7 @@ ShellContact::ShellContact(const std::vector<const ShellModel*>& shells, const s
     : fields_(widest(shells), components(shells.size(), seams), with_recovery(shells, std::move(laws))),
       near_(shells, {}, components(shells.size(), seams), fields_.spacing(), fields_.one_surface()) {
   for (const ShellModel* m : shells) {
-    impulses_.emplace_back(m->tables.plane, Vec3::Zero());
+    impulses_.emplace_back(m->tables.component_stride, Vec3::Zero());
     touched_.emplace_back();
   }
 }

@@ -138,7 +138,7 @@ bool opening_direction(const ShellModel& m, const ShellState& s, const Vec2& p, 
   const RowTables& t = m.tables;
   const double radius = kTipRadius * m.spacing;
   double sum = 0.0;
-  std::array<double, 6> six{};
+  std::array<double, 6> face_stress{};
   for (const GatheredPoint& g : s.cracked.gathered) {
     if (g.kind == PointKind::kDead) continue;
     const Vec2 q = gauss_point(m.patch, t, g.block, g.lane).parameter, d = q - p;
@@ -147,10 +147,11 @@ bool opening_direction(const ShellModel& m, const ShellState& s, const Vec2& p, 
     const std::array<double, 6> own = undamaged_stress(t, g, s.motion.x);
     const double w = std::exp(-kRadialFall * d.squaredNorm() / (radius * radius));
     sum += w;
-    for (int k = 0; k < 6; ++k) six[k] += w * own[k];
+    for (int k = 0; k < 6; ++k) face_stress[k] += w * own[k];
   }
   if (sum <= 0.0) return false;
-  const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
+  const Principal low = principal(face_stress[0], face_stress[1], face_stress[2]),
+                  high = principal(face_stress[3], face_stress[4], face_stress[5]);
   out = high.high > low.high ? high.crack : low.crack;
   if (out.dot(ahead) < 0.0) out = -out;
   return true;
@@ -212,9 +213,9 @@ int start_broad(const ShellModel& m, ShellState& s, const DamageRules& r, const 
     if (g.kind == PointKind::kDead) continue;
     const Vec2 q = gauss_point(m.patch, m.tables, g.block, g.lane).parameter;
     if (!grid.damaged(q) || grid.breadth(q) < r.broad_damage) continue;
-    const std::array<double, 6> six = undamaged_stress(m.tables, g, s.motion.x);
+    const std::array<double, 6> face_stress = undamaged_stress(m.tables, g, s.motion.x);
     for (int face = 0; face < 2; ++face) {
-      const Principal stress = principal(six[3 * face], six[3 * face + 1], six[3 * face + 2]);
+      const Principal stress = principal(face_stress[3 * face], face_stress[3 * face + 1], face_stress[3 * face + 2]);
       const double ratio = stress.high / s.cracked.damage[&g - s.cracked.gathered.data()].strength;
       if (ratio > most) most = ratio, p = q, crack = stress.crack;
     }
@@ -233,10 +234,11 @@ void tear(const ShellModel& m, ShellState& s, const DamageRules& r) {
     GatheredPoint& g = s.cracked.gathered[i];
     PointDamage& d = s.cracked.damage[i];
     if (g.kind == PointKind::kDead || d.damage() < 1.0f) continue;
-    const std::array<double, 6> six = undamaged_stress(m.tables, g, s.motion.x);
+    const std::array<double, 6> face_stress = undamaged_stress(m.tables, g, s.motion.x);
     const double limit = r.torn_stress * d.strength * (1.0 + s.layers.brittleness) / s.layers.brittleness;
     const double strain = limit * (1.0 + m.material.poisson_ratio) / m.material.youngs_modulus;
-    if (std::min(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high) < limit &&
+    if (std::min(principal(face_stress[0], face_stress[1], face_stress[2]).high,
+                 principal(face_stress[3], face_stress[4], face_stress[5]).high) < limit &&
         largest_stretch(m.tables, g, s.motion.x) < 1.0 + strain)
       continue;
     s.book.fracture += point_energy(m.tables, g, s.motion.x, &d, s.layers.brittleness, s.layers.heals);
@@ -271,7 +273,7 @@ void watch_stress(const ShellModel& m, ShellState& s) {
   const double at_rest = kTemperedMiddle * m.material.surface_compression;
   for (int q = 0; q < t.blocks(); ++q) {
     const std::size_t start = static_cast<std::size_t>(q) * t.lanes;
-    const double* stress = &s.layers.surface_stress[t.at(q, 6, 0, 0)];
+    const double* stress = &s.layers.face_stress[t.at(q, 6, 0, 0)];
     for (int first = 0; first < t.spans_u; first += kLanes) {
       if (surely_calm(stress + first, t.lanes, &s.layers.strength[start + first], at_rest) &&
           none_listed(&s.cracked.point_of[start + first]))

@@ -134,12 +134,12 @@ bool holds(const ShellModel& m, const ShellState& s, const ReleaseLook& look, co
   return same;
 }
 
-// Values of one lane each at `slot` of an array [3][plane].
+// Values of one lane each at `slot` of an array [3][component stride].
 Vector<Pack> at_slots(const std::vector<double>& values, const std::array<int, kLanes>& slot) {
-  const std::size_t plane = values.size() / 3;
+  const std::size_t stride = values.size() / 3;
   const double* const a = values.data();
   Vector<Pack> r;
-  for (int i = 0; i < kLanes; ++i) r.x[i] = a[slot[i]], r.y[i] = a[plane + slot[i]], r.z[i] = a[2 * plane + slot[i]];
+  for (int i = 0; i < kLanes; ++i) r.x[i] = a[slot[i]], r.y[i] = a[stride + slot[i]], r.z[i] = a[2 * stride + slot[i]];
   return r;
 }
 

@@ -319,7 +319,7 @@ void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, 
     if (damaged) s.cracked.damage[index_of(r)] = r.damage;
     if (!s.caches.trials.empty()) s.caches.trials[r.visibility] = {};
     if (g.kind == PointKind::kDead)
-      for (int f = 0; f < 6; ++f) s.layers.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
+      for (int f = 0; f < 6; ++f) s.layers.face_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
     s.cracked.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] =
         reach_of(m, g, s.caches.visibility[r.visibility].point());
     note_uses(m, g.functions, s.caches.used[r.visibility]);
@@ -351,7 +351,7 @@ void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, in
   }
   for (const Refastened& r : again) {
     for (const auto& [slot, force] : r.force_change)
-      for (int d = 0; d < 3; ++d) s.discontinuity()[d * m.tables.plane + slot] += force[d];
+      for (int d = 0; d < 3; ++d) s.discontinuity()[d * m.tables.component_stride + slot] += force[d];
     s.release_by_faces(r.released);
   }
   for (std::size_t i = 0; i < fresh.size(); ++i) {

@@ -28,7 +28,7 @@ std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s
     if (s.caches.marked[q]) std::fill_n(s.layers.c.begin() + static_cast<std::ptrdiff_t>(q) * t.lanes, t.spans_u, 0.0f);
     s.caches.marked[q] = 0;
     if (!s.caches.over.empty() && !s.caches.over[q]) continue;
-    const double *stress = &s.layers.surface_stress[t.at(q, 6, 0, 0)], *strength = &s.layers.strength[t.at(q, 1, 0, 0)];
+    const double *stress = &s.layers.face_stress[t.at(q, 6, 0, 0)], *strength = &s.layers.strength[t.at(q, 1, 0, 0)];
     for (int first = 0; first < t.spans_u; first += kLanes) {
       const auto field = [&](int k) { return load<Pack>(stress + k * t.lanes + first); };
       const Pack resists = load<Pack>(strength + first), doubtful = kSurelyBelow * resists;
@@ -100,16 +100,16 @@ std::pair<int, int> point_at(const ShellModel& m, const Vec2& q) {
 // Mean stress around a Gauss point, as `mean_stress`. The direction of the stress at one point would be that of the
 // lattice.
 bool stress_around(const ShellModel& m, ShellState& s, const CrackRules& r, int block, int lane, double time,
-                   double* six) {
+                   double* face_stress) {
   const std::size_t gauss = m.tables.at(block, 1, 0, lane);
   KnownMean& mean = s.caches.surroundings.mean_of_point.at(s.cracked.point_of.size(), gauss,
                                                            sizeof(KnownMean) + most_bytes_seen(m, r.tip_radius));
   if (mean.time != time || mean.edges != s.cracks.graph.edges().size()) {  // many lines use the same points
-    mean.found =
-        mean_stress(m, s, gauss_point(m.patch, m.tables, block, lane).parameter, r.tip_radius, mean.around, mean.six);
+    mean.found = mean_stress(m, s, gauss_point(m.patch, m.tables, block, lane).parameter, r.tip_radius, mean.around,
+                             mean.face_stress);
     mean.time = time, mean.edges = s.cracks.graph.edges().size();
   }
-  std::copy_n(mean.six, 6, six);
+  std::copy_n(mean.face_stress, 6, face_stress);
   return mean.found;
 }
 
@@ -172,8 +172,8 @@ struct Critical {
   double stored;       // stored_by of that field at the strength [Pa^2]
 };
 
-Critical critical_across(const ShellModel& m, double strength, const double* six, const Vec2& along) {
-  const double low = across(six, along), high = across(six + 3, along);
+Critical critical_across(const ShellModel& m, double strength, const double* face_stress, const Vec2& along) {
+  const double low = across(face_stress, along), high = across(face_stress + 3, along);
   const double stretching = 0.5 * (low + high), bending = 0.5 * std::abs(high - low);
   const double half_length = critical_length(m.material, strength, stretching, bending);
   const double sum = std::max(0.0, stretching) + bending;
@@ -189,7 +189,7 @@ EnergyReleaseZone& zone_of(ShellState& s, std::size_t gauss) {
 // rule of its own, not a bound of `opens_along`: it uses the stress at the point, not its mean on a line.
 bool lacks_zone(const ShellModel& m, ShellState& s, const Overstressed& o, const Vec2& p, std::size_t gauss) {
   double here[6];
-  if (!surface_stress_at(m, s, o.block, o.lane, here)) return true;
+  if (!face_stress_at(m, s, o.block, o.lane, here)) return true;
   const Principal low = principal(here[0], here[1], here[2]), high = principal(here[3], here[4], here[5]);
   const Vec2& along = high.high > low.high ? high.crack : low.crack;
   const double strength = s.layers.strength[gauss] / m.strength_factor_at(o.block, o.lane);
@@ -211,9 +211,10 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   const std::vector<SeenEdge>& cracks = beside.seen(s.cracks.graph, p, reach, r.parallel_clearance, kParallelCosine);
   if (beside.shield_all() || near_a_tip(m, s, r, running, p)) return 0;
   if (lacks_zone(m, s, o, p, gauss)) return refused = true, 0;
-  double six[6];
-  if (!stress_around(m, s, r, o.block, o.lane, time, six)) return 0;
-  const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
+  double face_stress[6];
+  if (!stress_around(m, s, r, o.block, o.lane, time, face_stress)) return 0;
+  const Principal low = principal(face_stress[0], face_stress[1], face_stress[2]),
+                  high = principal(face_stress[3], face_stress[4], face_stress[5]);
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;
   const bool alike = stress.low > r.alike * stress.high;  // then any direction is as good: chance decides
@@ -237,7 +238,7 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   // the drive is taken against the resistance of the material
   kind.strength = s.layers.strength[gauss] / m.strength_factor_at(o.block, o.lane);
   kind.face = face;
-  const Critical crack = critical_across(m, kind.strength, six, along);
+  const Critical crack = critical_across(m, kind.strength, face_stress, along);
   if (!std::isfinite(crack.half_length)) return 0;  // the field does not open it
   kind.flaw = crack.half_length;
   if (crack.half_length > m.spacing) {  // the grid resolves the length that a crack needs to run by its energy
@@ -312,9 +313,9 @@ bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const 
   int samples = 0;
   for (int k = -static_cast<int>(line.behind / step + kRoundOff); k * step <= line.ahead + kRoundOff * step; ++k) {
     const auto [block, lane] = point_at(m, line.p + k * step * line.along);
-    double six[6];
-    if (stress_around(m, s, r, block, lane, time, six))  // else the place bears nothing
-      sum += across(six + (face > 0 ? 3 : 0), line.along) / m.strength_factor_at(block, lane);
+    double face_stress[6];
+    if (stress_around(m, s, r, block, lane, time, face_stress))  // else the place bears nothing
+      sum += across(face_stress + (face > 0 ? 3 : 0), line.along) / m.strength_factor_at(block, lane);
     ++samples;
   }
   const double over = sum / (samples * flaw.strength);  // energy grows with the square
@@ -333,9 +334,9 @@ double stored_in_zone(const ShellModel& m, const ShellState& s, EnergyReleaseZon
                 [&](int block, int lane, const Vec2& offset, double area) {
                   if (!own.holds(offset)) return;
                   all += area;
-                  double six[6];
-                  if (!surface_stress_at(m, s, block, lane, six)) return;
-                  const double low = across(six, along), high = across(six + 3, along);
+                  double face_stress[6];
+                  if (!face_stress_at(m, s, block, lane, face_stress)) return;
+                  const double low = across(face_stress, along), high = across(face_stress + 3, along);
                   const double opens = face > 0 ? high : low, stretching = 0.5 * (low + high);
                   if (opens > 0.0) sum += area * stored_by(stretching, stretching > 0.0 ? 0.5 * (high - low) : opens);
                 });

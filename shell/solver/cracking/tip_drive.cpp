@@ -12,7 +12,7 @@ namespace {
 
 // Sums over the points around a start, weighted about one direction.
 struct Sums {
-  double six[6] = {}, weight = 0.0;
+  double face_stress[6] = {}, weight = 0.0;
 };
 
 // Resistance of a young crack. An even field of the strength makes it sharper as the root of its length, until it needs
@@ -29,7 +29,7 @@ Drive drive_along(const Sums& sums, const CrackRules& r, const Start& start, dou
   if (!(sums.weight > 0.0)) return best;
   const Vec2 c = turned(start.direction, turn);
   const double stretching = resistance(r.tip_strength, start), bending = resistance(r.tip_bending_strength, start);
-  const double low = across(sums.six, c) / sums.weight, high = across(sums.six + 3, c) / sums.weight;
+  const double low = across(sums.face_stress, c) / sums.weight, high = across(sums.face_stress + 3, c) / sums.weight;
   for (const int face : {-1, 1}) {
     if (face == -start.face && turn != 0.0) continue;
     const double here = face < 0 ? low : high, there = face < 0 ? high : low;
@@ -47,8 +47,8 @@ bool is_twisted(const Sums& sums, const CrackRules& r, const Vec2& d) {
   if (!(sums.weight > 0.0)) return false;
   double bend[3], mean[3];
   for (int k = 0; k < 3; ++k) {
-    bend[k] = 0.5 * (sums.six[3 + k] - sums.six[k]) / sums.weight;
-    mean[k] = 0.5 * (sums.six[3 + k] + sums.six[k]) / sums.weight;
+    bend[k] = 0.5 * (sums.face_stress[3 + k] - sums.face_stress[k]) / sums.weight;
+    mean[k] = 0.5 * (sums.face_stress[3 + k] + sums.face_stress[k]) / sums.weight;
   }
   const Vec2 left(-d.y(), d.x());
   const double twist =
@@ -85,23 +85,23 @@ Opening opening_of(const ShellMaterial& material, double stretching, double bend
 
 }  // namespace
 
-bool surface_stress_at(const ShellModel& m, const ShellState& s, int block, int lane, double* six) {
+bool face_stress_at(const ShellModel& m, const ShellState& s, int block, int lane, double* face_stress) {
   if (s.cracked.kind(static_cast<std::size_t>(block) * m.tables.lanes + lane) == PointKind::kDead) return false;
-  for (int k = 0; k < 6; ++k) six[k] = s.layers.surface_stress[m.tables.at(block, 6, k, lane)];
+  for (int k = 0; k < 6; ++k) face_stress[k] = s.layers.face_stress[m.tables.at(block, 6, k, lane)];
   return true;
 }
 
 bool mean_stress(const ShellModel& m, const ShellState& s, const Vec2& p, double radius, Neighbours& known,
-                 double* six) {
-  std::fill(six, six + 6, 0.0);
+                 double* face_stress) {
+  std::fill(face_stress, face_stress + 6, 0.0);
   double sum = 0.0;
   for (const Neighbours::Seen& q : known.seen(m, s.cracks.graph, p, radius)) {
     double here[6];
-    if (!surface_stress_at(m, s, q.block, q.lane, here)) continue;
+    if (!face_stress_at(m, s, q.block, q.lane, here)) continue;
     sum += q.weight;
-    for (int k = 0; k < 6; ++k) six[k] += q.weight * here[k];
+    for (int k = 0; k < 6; ++k) face_stress[k] += q.weight * here[k];
   }
-  for (int k = 0; k < 6 && sum > 0.0; ++k) six[k] /= sum;
+  for (int k = 0; k < 6 && sum > 0.0; ++k) face_stress[k] /= sum;
   return sum > 0.0;
 }
 
@@ -120,7 +120,7 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
   Sums* const ahead = &all[steps];
   for (const SeenPoint& q : known.seen(m, s.cracks.graph, {start.p, r.tip_radius, start.direction, start.edge})) {
     double here[6];
-    if (!surface_stress_at(m, s, q.block, q.lane, here)) continue;
+    if (!face_stress_at(m, s, q.block, q.lane, here)) continue;
     const double factor = m.strength_factor_at(q.block, q.lane);  // of the resistance there
     if (factor != 1.0)
       for (double& stress : here) stress /= factor;
@@ -132,7 +132,7 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
         if (k > 0) w *= times;
         Sums& sum = ahead[sign * k];
         sum.weight += w;
-        for (int c = 0; c < 6; ++c) sum.six[c] += w * here[c];
+        for (int c = 0; c < 6; ++c) sum.face_stress[c] += w * here[c];
       }
     }
   }

@@ -52,12 +52,12 @@ double zone_radius(const ShellMaterial& material, double half_length, double str
 double stored_by(double stretching, double bending);
 
 /// Cauchy stress of the lower, then of the upper face: 11 22 12 each [Pa]. False where the point bears nothing.
-bool surface_stress_at(const ShellModel& model, const ShellState& state, int block, int lane, double* six);
+bool face_stress_at(const ShellModel& model, const ShellState& state, int block, int lane, double* face_stress);
 
 /// The mean of that over the points within `radius` [m] that `p` sees, weight exp(-2 r^2 / radius^2). False where none
 /// bears.
 bool mean_stress(const ShellModel& model, const ShellState& state, const Vec2& p, double radius, Neighbours& known,
-                 double* six);
+                 double* face_stress);
 
 /// Normal stress across a crack along q, from 11 22 12.
 inline double across(const double* s, const Vec2& q) {

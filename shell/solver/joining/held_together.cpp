@@ -24,7 +24,7 @@ std::vector<double> held_areas(const std::vector<ShellRef>& shells, const Stitch
   DisjointSets together(0);
   for (const ShellRef& r : shells) {
     first.push_back(together.size());
-    for (int i = 0; i < r.model->tables.plane; ++i) together.add();
+    for (int i = 0; i < r.model->tables.component_stride; ++i) together.add();
   }
   struct Borne {
     int at;

@@ -35,8 +35,8 @@ void add(TermMap& row, int shell, const std::vector<GatheredFunction>& functions
 }
 
 Vec3 rest_of(const ShellModel& m, int slot) {
-  const std::size_t plane = m.tables.plane;
-  return {m.rest[slot], m.rest[plane + slot], m.rest[2 * plane + slot]};
+  const std::size_t stride = m.tables.component_stride;
+  return {m.rest[slot], m.rest[stride + slot], m.rest[2 * stride + slot]};
 }
 
 // Changes the weights as little as possible, so that their sum stays and the sum of the places x(shell, slot) is zero.
@@ -134,7 +134,7 @@ namespace {
 std::array<std::vector<char>, 3> fixed_along_axes(const ShellModel& m) {
   std::array<std::vector<char>, 3> fixed;
   for (int d = 0; d < 3; ++d) {
-    fixed[d].assign(m.tables.plane, 0);
+    fixed[d].assign(m.tables.component_stride, 0);
     for (const int slot : m.constraints.held[d]) fixed[d][slot] = m.held[slot] == 0;
   }
   return fixed;

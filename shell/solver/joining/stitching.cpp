@@ -19,12 +19,12 @@ constexpr int kSweeps = 12;            // over creases that share control points
 constexpr double kSameLength = 1e-13;  // of a length: round-off
 
 void add(std::vector<double>& a, int slot, const Vec3& value) {
-  const std::size_t plane = a.size() / 3;
-  for (int d = 0; d < 3; ++d) a[d * plane + slot] += value[d];
+  const std::size_t stride = a.size() / 3;
+  for (int d = 0; d < 3; ++d) a[d * stride + slot] += value[d];
 }
 void put(std::vector<double>& a, int slot, const Vec3& value) {
-  const std::size_t plane = a.size() / 3;
-  for (int d = 0; d < 3; ++d) a[d * plane + slot] = value[d];
+  const std::size_t stride = a.size() / 3;
+  for (int d = 0; d < 3; ++d) a[d * stride + slot] = value[d];
 }
 
 }  // namespace

@@ -240,8 +240,8 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
 
 void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   const RowTables& t = m.tables;
-  const std::size_t plane = t.plane;
-  std::vector<char> own(plane, 0);
+  const std::size_t stride = t.component_stride;
+  std::vector<char> own(stride, 0);
   // Control point near a span: its first at degree 2; its second, which is nearer, at degree 3.
   const int inner = (t.degree - 1) / 2;
   const auto beside = [&](int span_v, int span_u) {
@@ -256,10 +256,10 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     const int slot = t.slot(i);
     own[slot] = 1, s.motion.detached[slot] = 1;
     s.motion.inverse_mass[slot] = 0.0, s.motion.mass[slot] = 0.0;
-    for (int d = 0; d < 3; ++d) s.motion.v[d * plane + slot] = 0.0;
+    for (int d = 0; d < 3; ++d) s.motion.v[d * stride + slot] = 0.0;
   }
   const auto slack = [&](int block, int lane) {
-    for (int k = 0; k < 6; ++k) s.layers.surface_stress[t.at(block, 6, k, lane)] = 0.0;
+    for (int k = 0; k < 6; ++k) s.layers.face_stress[t.at(block, 6, k, lane)] = 0.0;
   };
   if (piece.control_points.empty()) return;
   // A point that a crack has parted from a clamp has no function, but Gauss points may be nearest to it.

@@ -53,7 +53,7 @@ std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Tri
   }
   mark_outside(m, t, pieces);
   std::vector<int> gone(t.pieces, 0);
-  std::vector<char> anchored(m.tables.plane, 0);
+  std::vector<char> anchored(m.tables.component_stride, 0);
   for (const int slot : m.constraints.anchors) anchored[slot] = 1;
   for (int i = 0; i < m.control_points(); ++i) {
     if (m.trim.drops(m.tables.slot(i))) continue;

@@ -19,7 +19,7 @@ std::vector<double> fictitious_masses(const ShellModel& m, const ShellState& s) 
   const RowTables& t = m.tables;
   const double e = m.material.youngs_modulus / (1.0 - m.material.poisson_ratio * m.material.poisson_ratio);
   const double membrane = e * m.thickness, bending = e * std::pow(m.thickness, 3) / 12.0;
-  std::vector<double> mass(t.plane, 0.0);
+  std::vector<double> mass(t.component_stride, 0.0);
   const auto add = [&](const std::vector<GatheredFunction>& n, const Sym2<double>& a, double area) {
     const double det = determinant(a);
     const auto dot = [&](double pu, double pv, double qu, double qv) {
@@ -60,21 +60,21 @@ double norm_of(const std::vector<double>& f, const std::vector<double>& inverse,
 
 Balance::Balance(const ShellModel& m, ShellState& s, const Vec3& gravity, int threads)
     : mass(fictitious_masses(m, s)), m_(m), s_(s), threads_(threads), start_(s.motion.x) {
-  const std::size_t plane = m.tables.plane;
-  weight_.assign(3 * plane, 0.0);
-  inverse.assign(3 * plane, 0.0);
+  const std::size_t stride = m.tables.component_stride;
+  weight_.assign(3 * stride, 0.0);
+  inverse.assign(3 * stride, 0.0);
   for (int d = 0; d < 3; ++d) {
-    for (std::size_t i = 0; i < plane; ++i) {
-      weight_[d * plane + i] = s.motion.mass[i] * gravity[d];
-      if (mass[i] > 0.0 && !s.motion.detached[i]) inverse[d * plane + i] = 1.0 / mass[i];
+    for (std::size_t i = 0; i < stride; ++i) {
+      weight_[d * stride + i] = s.motion.mass[i] * gravity[d];
+      if (mass[i] > 0.0 && !s.motion.detached[i]) inverse[d * stride + i] = 1.0 / mass[i];
     }
-    for (const int slot : m.constraints.held[d]) inverse[d * plane + slot] = 0.0;
+    for (const int slot : m.constraints.held[d]) inverse[d * stride + slot] = 0.0;
     for (const auto& driven : m.constraints.driven)
-      for (const int slot : driven.slots[d]) inverse[d * plane + slot] = 0.0;
+      for (const int slot : driven.slots[d]) inverse[d * stride + slot] = 0.0;
     for (const auto& group : m.constraints.tied[d]) {
       double sum = 0.0;
       for (const int slot : group) sum += mass[slot];
-      for (const int slot : group) inverse[d * plane + slot] = 1.0 / sum;
+      for (const int slot : group) inverse[d * stride + slot] = 1.0 / sum;
     }
   }
 }
@@ -89,12 +89,12 @@ void Balance::go_to(double share) {
     s_.motion.x = x;
   }
   share_ = share;
-  const std::size_t plane = m_.tables.plane;
+  const std::size_t stride = m_.tables.component_stride;
   for (const auto& driven : m_.constraints.driven) {
     const Vec3 u = driven.displacement(s_.motion.time);
     for (int d = 0; d < 3; ++d)
       for (const int slot : driven.slots[d]) {
-        const std::size_t k = d * plane + slot;
+        const std::size_t k = d * stride + slot;
         const double target = m_.rest[k] + u[d];
         s_.motion.x[k] = share == 1.0 ? target : start_[k] + share * (target - start_[k]);
       }
@@ -111,12 +111,12 @@ void Balance::compute() {
 }
 
 void Balance::gather(std::vector<double>& f) const {
-  const std::size_t plane = m_.tables.plane;
+  const std::size_t stride = m_.tables.component_stride;
   for (int d = 0; d < 3; ++d)
     for (const auto& group : m_.constraints.tied[d]) {
       double sum = 0.0;
-      for (const int slot : group) sum += f[d * plane + slot];
-      for (const int slot : group) f[d * plane + slot] = sum;
+      for (const int slot : group) sum += f[d * stride + slot];
+      for (const int slot : group) f[d * stride + slot] = sum;
     }
 }
 

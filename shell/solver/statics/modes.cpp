@@ -94,7 +94,7 @@ Pairs lowest(const Matrix& a, double shift, int wanted) {
 // Returns the rigid motions that supports leave free, as orthonormal columns in M^1/2 u.
 Eigen::MatrixXd rigid_motions(const ShellModel& m, const ShellState& s, const FreeDegrees& free,
                               const Eigen::VectorXd& root_mass) {
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   Vec3 middle = Vec3::Zero();
   for (int i = 0; i < m.control_points(); ++i) middle += s.position(m.tables.slot(i)) / m.control_points();
   double size = 0.0;
@@ -109,7 +109,7 @@ Eigen::MatrixXd rigid_motions(const ShellModel& m, const ShellState& s, const Fr
       Eigen::Matrix<double, 1, 6> row = Eigen::Matrix<double, 1, 6>::Zero();
       row[d] = 1.0;
       for (int e = 0; e < 3; ++e) row[3 + e] = Vec3::Unit(e).cross(s.position(slot) - middle)[d] / size;
-      const int n = free.number[d * plane + slot];
+      const int n = free.number[d * stride + slot];
       if (n < 0)
         constraints.push_back(row);
       else if (seen[n])
@@ -141,7 +141,7 @@ Eigen::MatrixXd without_stiffness(const Matrix& a, const Eigen::MatrixXd& rigid,
 // Returns twice the kinetic energy of unit velocities along `shape`, over the mass [kg]: u^T M u with the consistent M.
 double consistent_product(const ShellModel& m, const std::vector<double>& shape) {
   const RowTables& t = m.tables;
-  const std::size_t plane = t.plane;
+  const std::size_t stride = t.component_stride;
   std::vector<GatheredFunction> functions;
   double sum = 0.0;
   for (int q = 0; q < t.blocks(); ++q)
@@ -151,7 +151,7 @@ double consistent_product(const ShellModel& m, const std::vector<double>& shape)
       Vec3 u = Vec3::Zero();
       shell_functions(m, q, e, functions);
       for (const GatheredFunction& f : functions)
-        for (int d = 0; d < 3; ++d) u[d] += f.n[0] * shape[d * plane + f.slot];
+        for (int d = 0; d < 3; ++d) u[d] += f.n[0] * shape[d * stride + f.slot];
       sum += area * u.squaredNorm();
     }
   return m.material.density * m.thickness * sum;
@@ -162,7 +162,7 @@ double consistent_product(const ShellModel& m, const std::vector<double>& shape)
 ModeSet vibration_modes(const ShellModel& m, ShellState& s, int count, const std::function<void()>& forces) {
   require(is_uncracked(m, s), "shell '{}': modes are of shells without cracks; leave out its cuts", m.name);
   const FreeDegrees free = free_degrees(m, s);
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   ModeSet out;
   out.degrees = free.count;
   Matrix a = tangent_stiffness(m, s, free, Differences::kFourthOrder, forces);
@@ -170,7 +170,7 @@ ModeSet vibration_modes(const ShellModel& m, ShellState& s, int count, const std
   out.asymmetry = a.norm() > 0.0 ? Matrix(a - transposed).norm() / a.norm() : 0.0;
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(free.count);
   for (std::size_t k = 0; k < free.number.size(); ++k)
-    if (free.number[k] >= 0) mass[free.number[k]] += s.motion.mass[k % plane];
+    if (free.number[k] >= 0) mass[free.number[k]] += s.motion.mass[k % stride];
   const Eigen::VectorXd root = mass.cwiseSqrt(), inverse = root.cwiseInverse();
   a = 0.5 * (a + transposed);
   a = inverse.asDiagonal() * a * inverse.asDiagonal();

@@ -39,9 +39,13 @@ constexpr double kGoneDown = 0.1;       // relaxation tries Newton steps when th
 class Search {
  public:
   Search(const ShellModel& m, ShellState& s, const RelaxationRules& rules)
-      : m_(m), s_(s), rules_(rules), balance_(m, s, rules.gravity, rules.threads), size_(3 * m.tables.plane) {
+      : m_(m),
+        s_(s),
+        rules_(rules),
+        balance_(m, s, rules.gravity, rules.threads),
+        size_(3 * m.tables.component_stride) {
     for (std::size_t i = 0; i < size_; ++i)
-      furthest_ = std::max(furthest_, std::abs(s.motion.x[i] - s.motion.x[i - i % m.tables.plane]));
+      furthest_ = std::max(furthest_, std::abs(s.motion.x[i] - s.motion.x[i - i % m.tables.component_stride]));
   }
 
   RelaxationResult run() {
@@ -208,7 +212,7 @@ class Search {
       const double kick = resting ? 0.5 * dt : dt;
       for (std::size_t i = 0; i < size_; ++i) {
         s_.motion.v[i] += kick * s_.motion.force[i] * balance_.inverse[i];
-        kinetic += s_.motion.v[i] * s_.motion.v[i] * balance_.mass[i % m_.tables.plane];
+        kinetic += s_.motion.v[i] * s_.motion.v[i] * balance_.mass[i % m_.tables.component_stride];
       }
       resting = kinetic < last;  // past a peak
       last = resting ? 0.0 : kinetic;

@@ -16,22 +16,22 @@ constexpr double kFourthOrderDifference = 3e-4;
 }  // namespace
 
 FreeDegrees free_degrees(const ShellModel& m, const ShellState& s) {
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   FreeDegrees free;
-  free.number.assign(3 * plane, -1);
+  free.number.assign(3 * stride, -1);
   for (int d = 0; d < 3; ++d) {
-    std::vector<char> fixed(plane, 1);
+    std::vector<char> fixed(stride, 1);
     for (int i = 0; i < m.control_points(); ++i) fixed[m.tables.slot(i)] = s.motion.detached[m.tables.slot(i)];
     for (const int slot : m.constraints.held[d]) fixed[slot] = 1;
     for (const auto& driven : m.constraints.driven)
       for (const int slot : driven.slots[d]) fixed[slot] = 1;
-    int* number = &free.number[d * plane];
+    int* number = &free.number[d * stride];
     for (const auto& group : m.constraints.tied[d]) {
       const bool any = std::any_of(group.begin(), group.end(), [&](int slot) { return fixed[slot] != 0; });
       for (const int slot : group) fixed[slot] = 1, number[slot] = any ? -1 : free.count;
       free.count += !any;
     }
-    for (std::size_t i = 0; i < plane; ++i)
+    for (std::size_t i = 0; i < stride; ++i)
       if (!fixed[i]) number[i] = free.count++;
   }
   return free;
@@ -41,11 +41,11 @@ Eigen::SparseMatrix<double> tangent_stiffness(const ShellModel& m, ShellState& s
                                               Differences differences, const std::function<void()>& forces) {
   const bool central = differences != Differences::kOneSided, fourth = differences == Differences::kFourthOrder;
   const RowTables& t = m.tables;
-  const std::size_t plane = t.plane;
+  const std::size_t stride = t.component_stride;
   const int reach = std::max(t.degree, m.trim.reach);  // control points of one Gauss point are at most this far apart
   const int period = 2 * reach + 1;                    // control points one period apart move together
-  std::vector<double> epsilon(plane, 0.0);             // by the area that a control point stands for
-  for (std::size_t i = 0; i < plane; ++i)
+  std::vector<double> epsilon(stride, 0.0);            // by the area that a control point stands for
+  for (std::size_t i = 0; i < stride; ++i)
     epsilon[i] = (fourth    ? kFourthOrderDifference
                   : central ? kCentralDifference
                             : kDifference) *
@@ -63,7 +63,7 @@ Eigen::SparseMatrix<double> tangent_stiffness(const ShellModel& m, ShellState& s
       const auto moved = [&](double sign) {
         for (int j = first_j; j < t.rows; j += period)
           for (int i = first_i; i < t.columns; i += period) {
-            const std::size_t k = d * plane + j * t.stride + i;
+            const std::size_t k = d * stride + j * t.stride + i;
             s.motion.x[k] = x[k] + sign * epsilon[j * t.stride + i];
           }
         forces();
@@ -76,12 +76,12 @@ Eigen::SparseMatrix<double> tangent_stiffness(const ShellModel& m, ShellState& s
       moved(1.0);
       for (int j = first_j; j < t.rows; j += period)
         for (int i = first_i; i < t.columns; i += period) {
-          const int column = free.number[d * plane + j * t.stride + i];
+          const int column = free.number[d * stride + j * t.stride + i];
           if (column < 0) continue;
           for (int q = std::max(0, j - reach); q <= std::min(t.rows - 1, j + reach); ++q)
             for (int p = std::max(0, i - reach); p <= std::min(t.columns - 1, i + reach); ++p)
               for (int e = 0; e < 3; ++e) {
-                const std::size_t k = e * plane + q * t.stride + p;
+                const std::size_t k = e * stride + q * t.stride + p;
                 double value = -(s.motion.force[k] - before[k]) / (sides * epsilon[j * t.stride + i]);
                 if (fourth) value = (4.0 * value + wide[k] / (4.0 * epsilon[j * t.stride + i])) / 3.0;
                 if (free.number[k] < 0 || value == 0.0) continue;

@@ -7,7 +7,7 @@
 namespace sunder::shell {
 
 double external_power(const ShellModel& m, const ShellState& s) {
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   double power = 0.0;
   const std::vector<double>& moving =
       s.motion.moving.empty() ? s.motion.v : s.motion.moving;  // loads work on what moves their points
@@ -16,7 +16,7 @@ double external_power(const ShellModel& m, const ShellState& s) {
     for (int d = 0; d < 3; ++d)
       // a dependent control point has no mass; its force counts at those it depends on
       for (const int slot : driven.slots[d])
-        if (s.motion.mass[slot] > 0.0) power -= s.motion.force[d * plane + slot] * s.motion.v[d * plane + slot];
+        if (s.motion.mass[slot] > 0.0) power -= s.motion.force[d * stride + slot] * s.motion.v[d * stride + slot];
   return power;
 }
 
@@ -26,11 +26,11 @@ namespace {
 // make the trapezoidal rule that fits leapfrog's energy. A point that is driven along some axes counts in the shell's
 // kinetic energy: `inertia` +1 adds that energy, -1 subtracts it. The difference is the support's work.
 void book_external_work(const ShellModel& m, ShellState& s, double dt, double inertia) {
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   for (const auto& driven : m.constraints.driven)
     for (int d = 0; d < 3; ++d)
       for (const int slot : driven.slots[d]) {
-        const double v = s.motion.v[d * plane + slot];
+        const double v = s.motion.v[d * stride + slot];
         if (s.motion.inverse_mass[slot] > 0.0) s.book.external += inertia * 0.5 * s.motion.mass[slot] * v * v;
       }
   s.book.external += 0.5 * dt * external_power(m, s);
@@ -51,13 +51,13 @@ namespace {
 void book_support_impulse(const ShellModel& m, ShellState& s, const Vec3& gravity, double dt) {
   std::vector<double>& sum = s.motion.support_impulse;
   if (sum.empty()) return;
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   const double beta = s.motion.last_force.size() == s.motion.force.size() ? m.material.stiffness_damping : 0.0;
-  for (std::size_t i = 0; i < plane; ++i) {
+  for (std::size_t i = 0; i < stride; ++i) {
     // A dependent control point at a seam has no mass; its force counts at those it depends on.
     if (!m.held[i] || s.motion.inverse_mass[i] > 0.0 || !(s.motion.mass[i] > 0.0)) continue;
     for (int d = 0; d < 3; ++d) {
-      const std::size_t k = d * plane + i;
+      const std::size_t k = d * stride + i;
       sum[k] -= dt * (s.motion.force[k] + s.motion.mass[i] * gravity[d]);
       if (beta > 0.0) sum[k] -= beta * (s.motion.force[k] - s.motion.last_force[k]);
     }
@@ -67,12 +67,12 @@ void book_support_impulse(const ShellModel& m, ShellState& s, const Vec3& gravit
 // Takes the force discontinuity out of the state. Supports act on it as on forces: it is zero at held and driven
 // control points, and shared by mass in tied groups.
 std::vector<double> free_discontinuity(const ShellModel& m, ShellState& s, double dt) {
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   std::vector<double> discontinuity;
   discontinuity.swap(s.cracks.force_discontinuity);
   const Constraints& c = m.constraints;
   for (int d = 0; d < 3 && !discontinuity.empty(); ++d) {
-    double* j = &discontinuity[d * plane];
+    double* j = &discontinuity[d * stride];
     for (const int slot : c.held[d]) j[slot] = 0.0;
     for (const auto& group : c.tied[d]) {
       double mass = 0.0, sum = 0.0;
@@ -82,10 +82,10 @@ std::vector<double> free_discontinuity(const ShellModel& m, ShellState& s, doubl
     }
     for (const auto& driven : c.driven)
       for (const int slot : driven.slots[d]) {
-        if (s.motion.mass[slot] > 0.0) s.book.external -= 0.5 * dt * j[slot] * s.motion.v[d * plane + slot];
+        if (s.motion.mass[slot] > 0.0) s.book.external -= 0.5 * dt * j[slot] * s.motion.v[d * stride + slot];
         j[slot] = 0.0;
       }
-    for (std::size_t slot = 0; slot < plane; ++slot)
+    for (std::size_t slot = 0; slot < stride; ++slot)
       if (s.motion.inverse_mass[slot] == 0.0) j[slot] = 0.0;
   }
   return discontinuity;
@@ -130,7 +130,7 @@ void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
     const std::vector<double>& discontinuity = discontinuities.emplace_back(free_discontinuity(*r.model, *r.state, dt));
     for (std::size_t k = 0; k < discontinuity.size(); ++k) {
       if (discontinuity[k] == 0.0) continue;
-      const std::size_t slot = k % r.model->tables.plane;
+      const std::size_t slot = k % r.model->tables.component_stride;
       const double mass = s.motion.mass[slot], dv = 0.5 * dt * s.motion.inverse_mass[slot] * discontinuity[k];
       change.moving += mass * dv * s.motion.v[k], change.square += 0.5 * mass * dv * dv;
       change.still += 0.5 * mass * dv * dt * s.motion.inverse_mass[slot] * s.motion.force[k];
@@ -143,8 +143,8 @@ void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
   for (std::size_t i = 0; i < shells.size(); ++i) {
     ShellState& s = *shells[i].state;
     for (std::size_t k = 0; k < discontinuities[i].size(); ++k)
-      s.motion.v[k] +=
-          change.share * 0.5 * dt * s.motion.inverse_mass[k % shells[i].model->tables.plane] * discontinuities[i][k];
+      s.motion.v[k] += change.share * 0.5 * dt * s.motion.inverse_mass[k % shells[i].model->tables.component_stride] *
+                       discontinuities[i][k];
     for (std::size_t k = 0; k < whole[i].size(); ++k)
       s.motion.support_impulse[k] -= change.share * 0.5 * dt * (whole[i][k] - discontinuities[i][k]);
   }
@@ -164,7 +164,7 @@ void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
 
 void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, double last) {
   if (!s.cracks.force_discontinuity.empty()) apply_force_discontinuity({{&m, &s}}, last);
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   const double dt = 0.5 * (last + step);
   book_external_work(m, s, last, -1.0);
   book_moving_work(s, last);
@@ -174,9 +174,9 @@ void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, 
   if (alpha > 0.0 || beta > 0.0) {
     const bool viscous = beta > 0.0 && s.motion.last_force.size() == s.motion.force.size();
     for (int d = 0; d < 3; ++d)
-      for (std::size_t i = 0; i < plane; ++i) {
+      for (std::size_t i = 0; i < stride; ++i) {
         if (s.motion.inverse_mass[i] == 0.0) continue;
-        const std::size_t k = d * plane + i;
+        const std::size_t k = d * stride + i;
         const double gain =
             viscous ? beta * (s.motion.force[k] - s.motion.last_force[k]) * s.motion.inverse_mass[i] : 0.0;
         const double change = gain - dt * alpha * s.motion.v[k];  // change of v
@@ -187,9 +187,9 @@ void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, 
     if (beta > 0.0) s.motion.last_force = s.motion.force;
   }
   for (int d = 0; d < 3; ++d) {
-    double *v = &s.motion.v[d * plane], *f = &s.motion.force[d * plane];
+    double *v = &s.motion.v[d * stride], *f = &s.motion.force[d * stride];
     const double g = dt * gravity[d];
-    for (std::size_t i = 0; i < plane; ++i)
+    for (std::size_t i = 0; i < stride; ++i)
       v[i] += s.motion.inverse_mass[i] > 0.0 ? dt * s.motion.inverse_mass[i] * f[i] + g : 0.0;
   }
 }
@@ -197,12 +197,12 @@ void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, 
 void constrain(const ShellModel& m, ShellState& s, double dt) {
   const Constraints& c = m.constraints;
   if (!c.partial) return;
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   std::vector<double>& borne = s.motion.support_impulse;
   for (int d = 0; d < 3; ++d) {
-    double* v = &s.motion.v[d * plane];
+    double* v = &s.motion.v[d * stride];
     if (!borne.empty())
-      for (const int slot : c.held[d]) borne[d * plane + slot] -= s.motion.mass[slot] * v[slot];
+      for (const int slot : c.held[d]) borne[d * stride + slot] -= s.motion.mass[slot] * v[slot];
     for (const int slot : c.held[d]) v[slot] = 0.0;
     for (const auto& group : c.tied[d]) {
       double mass = 0.0, momentum = 0.0;
@@ -216,8 +216,8 @@ void constrain(const ShellModel& m, ShellState& s, double dt) {
       for (const int slot : driven.slots[d])
         if (!s.motion.detached[slot]) {
           const double before = v[slot];
-          v[slot] = (m.rest[d * plane + slot] + u - s.motion.x[d * plane + slot]) / dt;
-          if (!borne.empty()) borne[d * plane + slot] += s.motion.mass[slot] * (v[slot] - before);
+          v[slot] = (m.rest[d * stride + slot] + u - s.motion.x[d * stride + slot]) / dt;
+          if (!borne.empty()) borne[d * stride + slot] += s.motion.mass[slot] * (v[slot] - before);
         }
     }
   }

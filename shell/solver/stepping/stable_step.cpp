@@ -54,18 +54,18 @@ template <class Forces>
 double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
   ShellState& s = p.s;
   p.at_rest = s.motion.force;
-  const std::size_t plane = s.motion.inverse_mass.size();
+  const std::size_t stride = s.motion.inverse_mass.size();
   const double epsilon = kProbe * p.model.spacing * std::sqrt(static_cast<double>(p.model.control_points()));
   std::vector<double>&v = s.motion.v, before(v.size(), 0.0), next(v.size());
   Eigen::VectorXd diagonal(iterations), beside(iterations);
   const auto product = [&](const std::vector<double>& a, const std::vector<double>& b) {
     double sum = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i)
-      if (s.motion.inverse_mass[i % plane] > 0.0) sum += a[i] * b[i] / s.motion.inverse_mass[i % plane];
+      if (s.motion.inverse_mass[i % stride] > 0.0) sum += a[i] * b[i] / s.motion.inverse_mass[i % stride];
     return sum;
   };
   for (std::size_t i = 0; i < v.size(); ++i)
-    if (s.motion.inverse_mass[i % plane] == 0.0) v[i] = 0.0;
+    if (s.motion.inverse_mass[i % stride] == 0.0) v[i] = 0.0;
   double length = std::sqrt(product(v, v));
   int found = 0;
   for (; found < iterations && length > 0.0; ++found) {
@@ -75,7 +75,7 @@ double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
     for (std::size_t i = 0; i < v.size(); ++i) s.motion.x[i] = p.x[i] + epsilon * (v[i] / norm);
     forces();
     for (std::size_t i = 0; i < v.size(); ++i)
-      next[i] = -(s.motion.force[i] - p.at_rest[i]) * (norm / epsilon) * s.motion.inverse_mass[i % plane];
+      next[i] = -(s.motion.force[i] - p.at_rest[i]) * (norm / epsilon) * s.motion.inverse_mass[i % stride];
     diagonal[found] = product(v, next);
     for (std::size_t i = 0; i < v.size(); ++i)
       next[i] -= diagonal[found] * v[i] + (found > 0 ? beside[found - 1] * before[i] : 0.0);
@@ -102,9 +102,9 @@ double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces
   for (int it = 0; it < iterations; ++it) {
     double norm = 0.0;
     for (Probed& p : shells) {
-      const std::size_t plane = p.s.motion.inverse_mass.size();
+      const std::size_t stride = p.s.motion.inverse_mass.size();
       for (std::size_t i = 0; i < p.s.motion.v.size(); ++i) {
-        if (p.s.motion.inverse_mass[i % plane] == 0.0) p.s.motion.v[i] = 0.0;
+        if (p.s.motion.inverse_mass[i % stride] == 0.0) p.s.motion.v[i] = 0.0;
         norm += p.s.motion.v[i] * p.s.motion.v[i];
       }
     }
@@ -115,9 +115,9 @@ double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces
     forces();
     double sum = 0.0;
     for (Probed& p : shells) {
-      const std::size_t plane = p.s.motion.inverse_mass.size();
+      const std::size_t stride = p.s.motion.inverse_mass.size();
       for (std::size_t i = 0; i < p.s.motion.v.size(); ++i) {
-        p.s.motion.v[i] = -(p.s.motion.force[i] - p.at_rest[i]) / epsilon * p.s.motion.inverse_mass[i % plane];
+        p.s.motion.v[i] = -(p.s.motion.force[i] - p.at_rest[i]) / epsilon * p.s.motion.inverse_mass[i % stride];
         sum += p.s.motion.v[i] * p.s.motion.v[i];
       }
     }
@@ -136,8 +136,8 @@ double stable_step(const ShellModel& m, ShellState& s, int iterations, int threa
   const auto forces = [&] { compute_forces(m, s, false, 0.0, threads); };
   std::vector<Probed> shells{{ShellRef{&m, &s}, as_if_free}};
   forces();
-  const std::size_t plane = m.tables.plane;
-  std::vector<char> start(plane, around.empty());
+  const std::size_t stride = m.tables.component_stride;
+  std::vector<char> start(stride, around.empty());
   const Vec2 reach = kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
   const RowTables& t = m.tables;
   const auto from = [&](const KnotVector& knots, double at) { return std::max(0, knots.span_of(at) - 1); };
@@ -152,7 +152,7 @@ double stable_step(const ShellModel& m, ShellState& s, int iterations, int threa
           start[t.slot(j * t.columns + i)] = 1;
   }
   std::mt19937_64 random(1);
-  for (std::size_t i = 0; i < s.motion.v.size(); ++i) s.motion.v[i] = start[i % plane] ? noise(random) : 0.0;
+  for (std::size_t i = 0; i < s.motion.v.size(); ++i) s.motion.v[i] = start[i % stride] ? noise(random) : 0.0;
   double step = std::numeric_limits<double>::infinity();
   if (elastic(s)) {
     const double lambda = largest_eigenvalue(shells[0], iterations, forces);

@@ -47,7 +47,7 @@ TEST(CrackGraph, AControlPointOnACutKeepsItsPlace) {
   // lifted by hand, every control point is pulled back: none is seen by nobody
   for (int i = 0; i < m.control_points(); ++i) {
     ShellState lifted = s;
-    lifted.motion.x[2 * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += 1e-4;
+    lifted.motion.x[2 * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] += 1e-4;
     compute_forces(m, lifted, false, 0.0, 1);
     EXPECT_LT(lifted.at(lifted.motion.force, m.tables.slot(i)).z(), -1e-3) << "control point " << i;
     if (i > 3 * m.tables.columns) break;

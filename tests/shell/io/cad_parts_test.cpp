@@ -257,7 +257,7 @@ TEST_F(CadParts, AWindowOverALineOfDivision) {
       const ShellModel& m = r.shells[seam.first].model;
       Vec3 at = Vec3::Zero();
       for (const GatheredFunction& f : shell_functions(m, place.first))
-        for (int i = 0; i < 3; ++i) at[i] += f.n[0] * m.rest[i * m.tables.plane + f.slot];
+        for (int i = 0; i < 3; ++i) at[i] += f.n[0] * m.rest[i * m.tables.component_stride + f.slot];
       double nearest = 1.0;
       for (const Vec3& on : curve) nearest = std::min(nearest, (at - on).norm());
       off = std::max(off, nearest);

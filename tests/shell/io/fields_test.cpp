@@ -38,7 +38,8 @@ std::map<std::string, double> values_at(const ShellModel& m, const ShellState& s
 
 void stretch(const ShellModel& m, ShellState& s, const Vec3& by) {
   for (int d = 0; d < 3; ++d)
-    for (int i = 0; i < m.tables.plane; ++i) s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + i] *= by[d];
+    for (int i = 0; i < m.tables.component_stride; ++i)
+      s.motion.x[d * static_cast<std::size_t>(m.tables.component_stride) + i] *= by[d];
 }
 
 /// The first equilibrium of a scene in which nothing moves, handed to `look` with its first shell.
@@ -87,9 +88,9 @@ TEST(Fields, TurnWithTheShell) {
   stretch(m, s, Vec3(1.004, 0.999, 1));
   auto before = values_at(m, s, Vec2(0.4, 0.1));
   const Quat turn = Quat(0.4, 0.3, -0.8, 0.2).normalized();
-  for (int i = 0; i < m.tables.plane; ++i) {
+  for (int i = 0; i < m.tables.component_stride; ++i) {
     const Vec3 x = turn * s.position(i);
-    for (int d = 0; d < 3; ++d) s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + i] = x[d];
+    for (int d = 0; d < 3; ++d) s.motion.x[d * static_cast<std::size_t>(m.tables.component_stride) + i] = x[d];
   }
   auto after = values_at(m, s, Vec2(0.4, 0.1));
   Mat3 flat;
@@ -226,7 +227,8 @@ TEST(Fields, ContactPressureIntegratesToTheForce) {
   double given = 0.0;
   for (int i = 0; i < m.control_points(); ++i) {
     const double j = 0.01 * (1 + i % 7);
-    contact.impulse[2 * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] = -j;  // pressed on the outside
+    contact.impulse[2 * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] =
+        -j;  // pressed on the outside
     given += j;
   }
   double sum = 0.0;

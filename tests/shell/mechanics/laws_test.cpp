@@ -51,10 +51,10 @@ struct Both {
         points.push_back(std::move(g));
         gathered.metric[rows.at(q, kMetricFields, kArea, e)] = 0.0;
       }
-    rest.assign(3 * static_cast<std::size_t>(rows.plane), 0.0);
+    rest.assign(3 * static_cast<std::size_t>(rows.component_stride), 0.0);
     for (int i = 0; i < rows.rows * rows.columns; ++i)
       for (int d = 0; d < 3; ++d)
-        rest[d * static_cast<std::size_t>(rows.plane) + rows.slot(i)] = shape.control_points[i][d];
+        rest[d * static_cast<std::size_t>(rows.component_stride) + rows.slot(i)] = shape.control_points[i][d];
   }
 
   // Moved at random by up to `size` [m], times `share`.
@@ -63,7 +63,8 @@ struct Both {
     std::uniform_real_distribution<double> uniform(-size, size);
     std::vector<double> x = rest;
     for (int i = 0; i < rows.rows * rows.columns; ++i)
-      for (int d = 0; d < 3; ++d) x[d * static_cast<std::size_t>(rows.plane) + rows.slot(i)] += share * uniform(random);
+      for (int d = 0; d < 3; ++d)
+        x[d * static_cast<std::size_t>(rows.component_stride) + rows.slot(i)] += share * uniform(random);
     return x;
   }
   std::size_t size(int fields) const { return static_cast<std::size_t>(rows.blocks()) * fields * rows.lanes; }

@@ -142,7 +142,7 @@ namespace {
 
 // Stretched by `e`, and bent about y to the curvature `k`: a deformation that linear and quadratic functions have.
 void deform(const ShellModel& m, ShellState& s, double e, double k) {
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
     const Vec3 x = s.at(m.rest, slot);
@@ -150,8 +150,8 @@ void deform(const ShellModel& m, ShellState& s, double e, double k) {
     const std::vector<double>& knots = m.patch.knots_u.knots();
     const int column = i % m.tables.columns;
     const double square = (knots[column + 1] - 0.5) * (knots[column + 2] - 0.5);
-    s.motion.x[slot] = (1.0 + e) * x.x(), s.motion.x[plane + slot] = x.y(),
-    s.motion.x[2 * plane + slot] = 0.5 * k * square;
+    s.motion.x[slot] = (1.0 + e) * x.x(), s.motion.x[stride + slot] = x.y(),
+    s.motion.x[2 * stride + slot] = 0.5 * k * square;
   }
 }
 
@@ -193,8 +193,8 @@ TEST(Plasticity, BesideACrackLayersYieldAsInTheirRows) {
     ASSERT_NEAR(before.layers.plastic[i], whole.layers.plastic[i], 1e-9);
     ASSERT_NEAR(after.layers.plastic[i], whole.layers.plastic[i], 1e-9);
   }
-  for (std::size_t i = 0; i < whole.layers.surface_stress.size(); ++i)
-    ASSERT_NEAR(before.layers.surface_stress[i], whole.layers.surface_stress[i], 1e-6 * kSteel.yield_stress);
+  for (std::size_t i = 0; i < whole.layers.face_stress.size(); ++i)
+    ASSERT_NEAR(before.layers.face_stress[i], whole.layers.face_stress[i], 1e-6 * kSteel.yield_stress);
 }
 
 TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
@@ -209,7 +209,7 @@ TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
     compute_forces(m, s, false, 1.0, 1);
     const int block = m.tables.blocks() / 2, lane = m.tables.spans_u / 2;
     const auto mises = [&](int face) {
-      const auto at = [&](int k) { return s.layers.surface_stress[m.tables.at(block, 6, 3 * face + k, lane)]; };
+      const auto at = [&](int k) { return s.layers.face_stress[m.tables.at(block, 6, 3 * face + k, lane)]; };
       return std::sqrt(at(0) * at(0) - at(0) * at(1) + at(1) * at(1) + 3.0 * at(2) * at(2));
     };
     for (const int face : {0, 1})

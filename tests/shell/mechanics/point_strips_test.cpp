@@ -19,13 +19,14 @@ struct Sheet {
   std::vector<GatheredPoint> points;
   std::mt19937_64 random{7};
 
-  Sheet() : rest(3 * static_cast<std::size_t>(t.plane)) {
+  Sheet() : rest(3 * static_cast<std::size_t>(t.component_stride)) {
     for (int i = 0; i < t.rows * t.columns; ++i)
-      for (int d = 0; d < 3; ++d) rest[d * static_cast<std::size_t>(t.plane) + t.slot(i)] = patch.control_points[i][d];
+      for (int d = 0; d < 3; ++d)
+        rest[d * static_cast<std::size_t>(t.component_stride) + t.slot(i)] = patch.control_points[i][d];
     x = rest;
     std::uniform_real_distribution<double> uniform(-2e-4, 2e-4);
     for (int i = 0; i < t.rows * t.columns; ++i)
-      for (int d = 0; d < 3; ++d) x[d * static_cast<std::size_t>(t.plane) + t.slot(i)] += uniform(random);
+      for (int d = 0; d < 3; ++d) x[d * static_cast<std::size_t>(t.component_stride) + t.slot(i)] += uniform(random);
     for (int q = 0; q < t.blocks(); ++q)
       for (int e = 0; e < t.spans_u; ++e) points.push_back(point(q, e, true));
   }

@@ -87,7 +87,8 @@ TEST(CubicShell, FeelsNoForceAtRestAndUnderRigidMotionCracksIncluded) {
       const Quat q = rotation_from_vector(Vec3(0.3, -0.7, 0.5));
       for (int i = 0; i < m.control_points(); ++i) {
         const Vec3 x = q * s.position(m.tables.slot(i)) + Vec3(1, 2, 3);
-        for (int d = 0; d < 3; ++d) s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] = x[d];
+        for (int d = 0; d < 3; ++d)
+          s.motion.x[d * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] = x[d];
       }
       compute_forces(m, s, false, 0.0, 1);
       EXPECT_LT(largest_force(s), limit);

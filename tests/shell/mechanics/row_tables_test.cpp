@@ -80,7 +80,7 @@ TEST(RowTables, AreasSumToTheSurfaceAndSlotsAreTheirOwn) {
     EXPECT_EQ(t.control_point(t.slot(i)), i);
   }
   EXPECT_EQ(slots.size(), static_cast<std::size_t>(t.columns) * t.rows);
-  EXPECT_LT(*slots.rbegin(), t.plane);
+  EXPECT_LT(*slots.rbegin(), t.component_stride);
 }
 
 TEST(RowTables, RefuseASurfaceWithoutArea) {

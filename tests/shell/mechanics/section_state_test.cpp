@@ -28,11 +28,11 @@ struct Sheet {
   }
   template <class F>
   void place(F&& at) {
-    const std::size_t plane = s.motion.x.size() / 3;
+    const std::size_t stride = s.motion.x.size() / 3;
     for (int i = 0; i < m.control_points(); ++i) {
       const int slot = m.tables.slot(i);
       const Vec3 x = at(s.at(m.rest, slot));
-      for (int d = 0; d < 3; ++d) s.motion.x[d * plane + slot] = x[d];
+      for (int d = 0; d < 3; ++d) s.motion.x[d * stride + slot] = x[d];
     }
   }
   SectionState state() const {

@@ -49,7 +49,7 @@ TEST(InternalForce, OfLinearBendingIsThatOfLayers) {
   for (const ShellModel* m : {&layered, &linear}) {
     ShellState s = make_state(*m, Vec3::Zero(), 0);
     for (int i = 0; i < m->control_points(); ++i)
-      s.motion.x[2 * static_cast<std::size_t>(m->tables.plane) + m->tables.slot(i)] =
+      s.motion.x[2 * static_cast<std::size_t>(m->tables.component_stride) + m->tables.slot(i)] =
           3e-5 * std::sin(9.0 * m->parameter[i].x()) * std::cos(7.0 * m->parameter[i].y());
     energy[m == &linear] = compute_forces(*m, s, true, 0.0, 1);
     forces[m == &linear] = s.motion.force;
@@ -95,7 +95,8 @@ TEST(InternalForce, VanishesAtRestAndUnderRigidMotionCracksIncluded) {
     const Quat q = rotation_from_vector(Vec3(0.3, -0.7, 0.5));
     for (int i = 0; i < m.control_points(); ++i) {
       const Vec3 x = q * s.position(m.tables.slot(i)) + Vec3(1, 2, 3);
-      for (int d = 0; d < 3; ++d) s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] = x[d];
+      for (int d = 0; d < 3; ++d)
+        s.motion.x[d * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] = x[d];
     }
     compute_forces(m, s, false, 0.0, 1);
     double largest = 0.0;

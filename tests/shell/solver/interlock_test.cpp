@@ -65,10 +65,10 @@ ShellModel sheet(double crushing = 1e12) {
 // Force on everything right of x = 0.05 [N].
 Vec3 on_the_right(const ShellModel& m, const ShellState& s) {
   Vec3 sum = Vec3::Zero();
-  const std::size_t plane = m.tables.plane;
+  const std::size_t stride = m.tables.component_stride;
   for (int i = 0; i < m.control_points(); ++i)
     if (m.parameter[i].x() > 0.05)
-      for (int d = 0; d < 3; ++d) sum[d] += s.motion.force[d * plane + m.tables.slot(i)];
+      for (int d = 0; d < 3; ++d) sum[d] += s.motion.force[d * stride + m.tables.slot(i)];
   return sum;
 }
 
@@ -89,7 +89,8 @@ double face_stiffness(const ShellState& s) {
 void part(const ShellModel& m, ShellState& s, const Vec3& by) {
   for (int i = 0; i < m.control_points(); ++i)
     if (m.parameter[i].x() > 0.05)
-      for (int d = 0; d < 3; ++d) s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += by[d];
+      for (int d = 0; d < 3; ++d)
+        s.motion.x[d * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] += by[d];
 }
 
 ShellState halves(const ShellModel& m) {
@@ -266,13 +267,13 @@ TEST(Interlock, BearsAtOneFaceAsAHingeDoes) {
   for (const double sign : {-1.0, 1.0}) {
     ShellState s = halves(m);
     const double turn = sign * 1e-3, length = 0.05;
-    const std::size_t plane = m.tables.plane;
+    const std::size_t stride = m.tables.component_stride;
     for (int i = 0; i < m.control_points(); ++i) {
       const bool right = m.parameter[i].x() > 0.05;
       const double x = right ? 0.1 - m.parameter[i].x() : m.parameter[i].x();
       const int slot = m.tables.slot(i);
       s.motion.x[slot] = right ? 0.1 - x * std::cos(turn) : x * std::cos(turn);
-      s.motion.x[2 * plane + slot] = -x * std::sin(turn);  // the middle moves down for a positive turn
+      s.motion.x[2 * stride + slot] = -x * std::sin(turn);  // the middle moves down for a positive turn
     }
     forces_of_faces(m, s);
     // each corner at height z moves towards the other half by z sin(turn) - length (1 - cos(turn))
@@ -286,8 +287,8 @@ TEST(Interlock, BearsAtOneFaceAsAHingeDoes) {
     for (int i = 0; i < m.control_points(); ++i) {
       if (m.parameter[i].x() <= 0.05) continue;
       const int slot = m.tables.slot(i);
-      moment += s.motion.x[2 * plane + slot] * s.motion.force[slot] -
-                (s.motion.x[slot] - 0.1) * s.motion.force[2 * plane + slot];
+      moment += s.motion.x[2 * stride + slot] * s.motion.force[slot] -
+                (s.motion.x[slot] - 0.1) * s.motion.force[2 * stride + slot];
     }
     const double arm = -length * std::sin(turn) + sign * 0.5 * m.thickness * std::cos(turn);
     EXPECT_NEAR(moment, thrust * arm, 1e-3 * std::abs(thrust * arm));

@@ -37,7 +37,7 @@ std::vector<double> pressure_by_points(const ShellModel& m, const ShellState& s)
       for (const GatheredFunction& f : functions) u += f.n[1] * s.position(f.slot), v += f.n[2] * s.position(f.slot);
       for (const GatheredFunction& f : functions)
         for (int d = 0; d < 3; ++d)
-          force[d * static_cast<std::size_t>(t.plane) + f.slot] += 3.0 * g.weight * f.n[0] * u.cross(v)[d];
+          force[d * static_cast<std::size_t>(t.component_stride) + f.slot] += 3.0 * g.weight * f.n[0] * u.cross(v)[d];
     }
   return force;
 }

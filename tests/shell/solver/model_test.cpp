@@ -71,13 +71,13 @@ TEST(ShellModel, KnowsTheEdgesThatAreHeldWithTheirSlopes) {
 
 TEST(ShellModel, PaddingHasNeitherMassNorPlace) {
   const ShellModel m = brittle_sheet(5);
-  std::vector<char> real(m.tables.plane, 0);
+  std::vector<char> real(m.tables.component_stride, 0);
   for (int i = 0; i < m.control_points(); ++i) {
     real[m.tables.slot(i)] = 1;
     EXPECT_EQ(m.tables.control_point(m.tables.slot(i)), i);
     EXPECT_EQ(m.parameter_of_slot[m.tables.slot(i)], m.parameter[i]);
   }
-  for (int slot = 0; slot < m.tables.plane; ++slot)
+  for (int slot = 0; slot < m.tables.component_stride; ++slot)
     if (!real[slot]) {
       EXPECT_EQ(m.mass[slot], 0.0) << slot;
     }

@@ -67,7 +67,7 @@ TEST(StateArchive, AStateThatIsReadContinuesToTheBit) {
     }
   EXPECT_EQ(s.motion.x, other.motion.x);
   EXPECT_EQ(s.motion.v, other.motion.v);
-  EXPECT_EQ(s.layers.surface_stress, other.layers.surface_stress);
+  EXPECT_EQ(s.layers.face_stress, other.layers.face_stress);
 }
 
 TEST(StateArchive, RefusesBytesThatEndTooEarlyOrGiveImpossibleLengths) {

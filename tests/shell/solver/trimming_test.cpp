@@ -60,9 +60,10 @@ TEST(Trimming, KeepsMassAndItsCentre) {
     const ShellModel m = trimmed(loops, degree);
     double mass = 0.0;
     Vec3 centre = Vec3::Zero();
-    for (int i = 0; i < m.tables.plane; ++i) {
+    for (int i = 0; i < m.tables.component_stride; ++i) {
       EXPECT_GE(m.mass[i], 0.0);
-      const Vec3 x(m.rest[i], m.rest[m.tables.plane + i], m.rest[2 * static_cast<std::size_t>(m.tables.plane) + i]);
+      const Vec3 x(m.rest[i], m.rest[m.tables.component_stride + i],
+                   m.rest[2 * static_cast<std::size_t>(m.tables.component_stride) + i]);
       mass += m.mass[i], centre += m.mass[i] * x;
     }
     const auto area = [](double r, int n) { return 0.5 * n * r * r * std::sin(2.0 * std::numbers::pi / n); };
@@ -85,7 +86,7 @@ TEST(Trimming, LeavesNoForceAtRestAndInRigidMotion) {
     for (int i = 0; i < m.control_points(); ++i) {
       const int slot = m.tables.slot(i);
       const Vec3 x = turn * s.position(slot) + Vec3(1.0, 2.0, 3.0);
-      for (int d = 0; d < 3; ++d) s.motion.x[static_cast<std::size_t>(d) * m.tables.plane + slot] = x[d];
+      for (int d = 0; d < 3; ++d) s.motion.x[static_cast<std::size_t>(d) * m.tables.component_stride + slot] = x[d];
     }
     compute_forces(m, s, false, 0.0, 1);
     EXPECT_LT(most_force(s), 1e-11 * 2e11 * kThickness * m.spacing);
@@ -104,7 +105,7 @@ TEST(Trimming, ForceIsMinusTheGradientOfEnergy) {
   double work = 0.0;
   for (int i = 0; i < m.control_points(); ++i)
     for (int d = 0; d < 3; ++d) {
-      const std::size_t k = static_cast<std::size_t>(d) * m.tables.plane + m.tables.slot(i);
+      const std::size_t k = static_cast<std::size_t>(d) * m.tables.component_stride + m.tables.slot(i);
       way[k] = noise(), work += force[k] * way[k];
     }
   double energy[2];
@@ -159,7 +160,8 @@ TEST(Trimming, CutsThatEndOnLoopsPartThePlate) {
   EXPECT_NEAR(area, washer().area(), 1e-9);
   EXPECT_EQ(owned, m.control_points() - m.trim.dropped.size());
   for (int i = 0; i < m.control_points(); ++i)
-    if (t.owner[i] == inside[1]) s.motion.x[2 * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += 0.1;
+    if (t.owner[i] == inside[1])
+      s.motion.x[2 * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] += 0.1;
   compute_forces(m, s, false, 0.0, 1);
   EXPECT_LT(most_force(s), 1e-9 * 2e11 * kThickness * m.spacing);
 }

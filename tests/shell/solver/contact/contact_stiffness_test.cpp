@@ -32,7 +32,7 @@ TEST(ContactStiffness, IsTheSecondDerivativeOfTheEnergy) {
   const std::vector<double> k = contact_stiffness(m, s, bodies, c, {1, 1}, 1);
   EXPECT_EQ(s.motion.x, x);  // as it was
   EXPECT_EQ(k[1], 0.0);      // far away
-  std::vector<char> moved(m.tables.plane, 0);
+  std::vector<char> moved(m.tables.component_stride, 0);
   Vec3 out = Vec3::Zero();
   std::vector<GatheredFunction> functions;
   for (const auto& sample : c.of_body[0]) {
@@ -44,9 +44,9 @@ TEST(ContactStiffness, IsTheSecondDerivativeOfTheEnergy) {
   out.normalize();
   const double step = 1e-4 * m.thickness;
   const auto energy = [&](double by) {
-    for (int slot = 0; slot < m.tables.plane; ++slot)
+    for (int slot = 0; slot < m.tables.component_stride; ++slot)
       for (int d = 0; d < 3; ++d) {
-        const std::size_t at = static_cast<std::size_t>(d) * m.tables.plane + slot;
+        const std::size_t at = static_cast<std::size_t>(d) * m.tables.component_stride + slot;
         s.motion.x[at] = x[at] + (moved[slot] ? by * out[d] : 0.0);
       }
     return compute_forces(m, s, true, 0.0, 1);

@@ -151,9 +151,9 @@ TEST(Fibres, StableStepBoundsThatOfStacks) {
     const auto press = [&](double by, double dt) {
       for (int k = 0; k < c.layers; ++k) {
         ShellState& s = l.state(k);
-        const std::size_t plane = s.motion.mass.size();
-        for (std::size_t i = 0; i < plane; ++i)
-          if (s.motion.mass[i] > 0.0) s.motion.v[2 * plane + i] = -by * k / dt, s.motion.x[2 * plane + i] -= by * k;
+        const std::size_t stride = s.motion.mass.size();
+        for (std::size_t i = 0; i < stride; ++i)
+          if (s.motion.mass[i] > 0.0) s.motion.v[2 * stride + i] = -by * k / dt, s.motion.x[2 * stride + i] -= by * k;
       }
       l.fibres().advance(l.refs(), dt);
     };

@@ -66,7 +66,7 @@ TEST(NearTiles, OfOneSurfaceAreNoneUntilItFolds) {
   for (int i = 0; i < m.control_points(); ++i) {  // both halves up, 4 mm apart
     const int slot = m.tables.slot(i);
     const double x = flat[slot];
-    s.motion.x[slot] = x < 0.0 ? -0.002 : 0.002, s.motion.x[2 * m.tables.plane + slot] = std::abs(x);
+    s.motion.x[slot] = x < 0.0 ? -0.002 : 0.002, s.motion.x[2 * m.tables.component_stride + slot] = std::abs(x);
   }
   EXPECT_TRUE(any());
   s.motion.detached.assign(s.motion.detached.size(), 1);  // what has left is no candidate

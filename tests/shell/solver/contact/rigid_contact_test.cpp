@@ -170,7 +170,7 @@ std::pair<std::vector<double>, double> on_a_block(double v, double kick) {
   const double dt = 1e-7;
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
-    s.motion.force[2 * m.tables.plane + slot] = kick * s.motion.mass[slot] / dt;
+    s.motion.force[2 * m.tables.component_stride + slot] = kick * s.motion.mass[slot] / dt;
   }
   RigidBody block;
   block.id = 1, block.is_static = true, block.shape = BoxShape{{0.05, 0.04, 0.02}};

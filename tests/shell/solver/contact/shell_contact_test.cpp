@@ -254,11 +254,11 @@ struct Hairpin : Rig {
     meet();
     ShellState& s = state();
     for (int i = 0; i < model().control_points(); ++i) {
-      const int slot = model().tables.slot(i), plane = model().tables.plane;
+      const int slot = model().tables.slot(i), stride = model().tables.component_stride;
       const Vec3 rest = s.position(slot);
       const bool upper = rest.x() > 0.0;
       const Vec3 x(std::abs(rest.x()), rest.y(), upper ? 0.1 : 0.0), v = upper ? Vec3(0.3, 0.1, -1) : Vec3(0, 0, 0.5);
-      for (int d = 0; d < 3; ++d) s.motion.x[d * plane + slot] = x[d], s.motion.v[d * plane + slot] = v[d];
+      for (int d = 0; d < 3; ++d) s.motion.x[d * stride + slot] = x[d], s.motion.v[d * stride + slot] = v[d];
     }
   }
   static ShellMaterial soft() {
@@ -340,9 +340,9 @@ TEST(ShellContact, AFoldOverASeamStaysOpenAndIsNotDriven) {
   Stitched s({leg(-kElement), leg(kElement)});
   ASSERT_EQ(s.seams().size(), 1u);
   const auto put = [&](int k, int slot, const Vec3& x, const Vec3& v) {
-    const int plane = s.model(k).tables.plane;
+    const int stride = s.model(k).tables.component_stride;
     for (int d = 0; d < 3; ++d)
-      s.state(k).motion.x[d * plane + slot] = x[d], s.state(k).motion.v[d * plane + slot] = v[d];
+      s.state(k).motion.x[d * stride + slot] = x[d], s.state(k).motion.v[d * stride + slot] = v[d];
   };
   for (int k = 0; k < 2; ++k)
     for (int i = 0; i < s.model(k).control_points(); ++i) {

@@ -49,7 +49,7 @@ struct Cracked {
     for (int k = 0; k < m.control_points(); ++k) {
       const double x = depth(what, m.parameter[k]);
       if (!m.held[m.tables.slot(k)])
-        s.motion.x[2 * m.tables.plane + m.tables.slot(k)] = 0.03 * x * x * (3.0 * kSide - x);
+        s.motion.x[2 * m.tables.component_stride + m.tables.slot(k)] = 0.03 * x * x * (3.0 * kSide - x);
     }
     std::uint64_t random = 1;
     for (int look = 0; look < 200; ++look) {
@@ -182,7 +182,7 @@ TEST(ClampedBorder, IsReachedByATipInOneEdge) {
     ShellState s = make_state(m, Vec3::Zero(), 1);
     for (int k = 0; k < m.control_points(); ++k) {
       const double x = m.parameter[k].x();
-      if (!m.held[m.tables.slot(k)]) s.motion.x[2 * m.tables.plane + m.tables.slot(k)] = 0.2 * x * x;
+      if (!m.held[m.tables.slot(k)]) s.motion.x[2 * m.tables.component_stride + m.tables.slot(k)] = 0.2 * x * x;
     }
     std::fill(s.layers.strength.begin(), s.layers.strength.end(), 1e12);  // nothing else cracks
     insert_polyline(m, s, {{depth * m.spacing, -0.01}, {depth * m.spacing, 0.05}}, 0.0);
@@ -215,7 +215,7 @@ TEST(ClampedBorder, WhatBreaksOffThereWeighsWhatItDid) {
   for (const double speed : {0.0, 5.0}) {
     Cracked c({});
     for (const auto& held : c.m.constraints.held[2])
-      c.s.motion.v[2 * c.m.tables.plane + held] = speed;  // as if it were driven
+      c.s.motion.v[2 * c.m.tables.component_stride + held] = speed;  // as if it were driven
     for (const Piece& p : c.pieces) {
       const Totals before = totals(c.m, c.s);
       const double at_border = c.mass_at_border();

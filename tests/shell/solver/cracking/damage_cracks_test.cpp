@@ -83,7 +83,7 @@ TEST(ExtractCracks, UnderBendingTheStretchedFaceDecides) {
         const double x = m.rest[slot], from = -0.5 * band, within = std::clamp(x - from, 0.0, band);
         const double k = share * curvature, angle = k * within, after = std::max(0.0, x - from - band);
         s.motion.x[slot] = std::min(x, from) + std::sin(angle) / k + std::cos(angle) * after;
-        s.motion.x[2 * m.tables.plane + slot] = up * ((1.0 - std::cos(angle)) / k + std::sin(angle) * after);
+        s.motion.x[2 * m.tables.component_stride + slot] = up * ((1.0 - std::cos(angle)) / k + std::sin(angle) * after);
       }
     };
     for (int step = 1; step <= 40; ++step) {
@@ -186,8 +186,8 @@ TEST(ExtractCracks, PointsOfALawWhoseStressNoLongerGrowsAreTornByTheirStretch) {
     const double complete = cloth.strength * (1.0 + s.layers.brittleness) / s.layers.brittleness;
     const double stretch = 1.0 + share * rules.torn_stress * complete * 1.3 / cloth.youngs_modulus;
     stretch_x(m, s, 0.5 * (stretch * stretch - 1.0));
-    const std::array<double, 6> six = undamaged_stress(m.tables, s.cracked.gathered[0], s.motion.x);
-    EXPECT_LT(six[0], 0.25 * rules.torn_stress * complete);  // the stress would never tell
+    const std::array<double, 6> face_stress = undamaged_stress(m.tables, s.cracked.gathered[0], s.motion.x);
+    EXPECT_LT(face_stress[0], 0.25 * rules.torn_stress * complete);  // the stress would never tell
     extract_cracks(m, s, 0.0);
     EXPECT_EQ(s.rubble(), share > 1.0 ? damaged : 0) << stretch;
   }

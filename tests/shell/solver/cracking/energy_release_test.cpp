@@ -30,11 +30,11 @@ struct Pane {
   }
   // Control points take the displacement of their Greville points, then turn about the origin.
   void displace(const std::function<Vec3(double r, double theta)>& field, const Quat& turn = Quat::Identity()) {
-    const std::size_t plane = s.motion.x.size() / 3;
-    for (std::size_t slot = 0; slot < plane; ++slot) {
+    const std::size_t stride = s.motion.x.size() / 3;
+    for (std::size_t slot = 0; slot < stride; ++slot) {
       const Vec2 d = m.parameter_of_slot[slot] - kTip;
       const Vec3 x = turn * (s.at(m.rest, static_cast<int>(slot)) + field(d.norm(), std::atan2(d.y(), d.x())));
-      for (int c = 0; c < 3; ++c) s.motion.x[c * plane + slot] = x[c];
+      for (int c = 0; c < 3; ++c) s.motion.x[c * stride + slot] = x[c];
     }
   }
   Vec2 both(double angle = 0.0) const {

@@ -97,7 +97,8 @@ TEST(InsertEdge, BooksTheEnergyThatTheStoredOneFallsBy) {
   const ShellModel m = brittle_sheet(10);
   for (const double strain : {0.0, 1e-3}) {
     ShellState s = make_state(m, Vec3::Zero(), 1);
-    for (int i = 0; i < m.control_points(); ++i) s.motion.x[m.tables.plane + m.tables.slot(i)] *= 1.0 + strain;
+    for (int i = 0; i < m.control_points(); ++i)
+      s.motion.x[m.tables.component_stride + m.tables.slot(i)] *= 1.0 + strain;
     const double before = compute_forces(m, s, true, 0.0, 1);
     const int a = s.cracks.graph.add_vertex({0.08, 0.1}), b = s.cracks.graph.add_vertex({0.11, 0.1});
     ASSERT_EQ(insert_edge(m, s, a, b, s.cracks.graph.new_crack(), 0.0, 1, false), 0);

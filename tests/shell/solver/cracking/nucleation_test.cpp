@@ -24,9 +24,10 @@ using namespace sunder::shell;
 namespace {
 
 bool is_above(const ShellModel& m, const ShellState& s, int block, int lane) {
-  double six[6];
-  for (int k = 0; k < 6; ++k) six[k] = s.layers.surface_stress[m.tables.at(block, 6, k, lane)];
-  const double high = std::max(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high);
+  double face_stress[6];
+  for (int k = 0; k < 6; ++k) face_stress[k] = s.layers.face_stress[m.tables.at(block, 6, k, lane)];
+  const double high = std::max(principal(face_stress[0], face_stress[1], face_stress[2]).high,
+                               principal(face_stress[3], face_stress[4], face_stress[5]).high);
   return high > s.layers.strength[m.tables.at(block, 1, 0, lane)];
 }
 
@@ -40,7 +41,7 @@ struct OverstressedBand {
       const double beyond = std::clamp((std::abs(p.y() - 0.1) - half_width) / m.spacing + 0.5, 0.0, 1.0);
       const double strain = (1.0 - 0.5 * beyond) * times * 12e6 / m.material.youngs_modulus;
       s.motion.x[m.tables.slot(k)] += strain * (p.x() - 0.1);
-      s.motion.x[m.tables.plane + m.tables.slot(k)] -= m.material.poisson_ratio * strain * (p.y() - 0.1);
+      s.motion.x[m.tables.component_stride + m.tables.slot(k)] -= m.material.poisson_ratio * strain * (p.y() - 0.1);
     }
   }
   bool opens(double zone = 1.0) {
@@ -73,7 +74,8 @@ TEST(Flaws, NoPointAboveItsStrengthIsInABlockThatIsNotTold) {
   for (int step = 0; step < 8; ++step) {
     for (int k = 0; k < m.control_points(); ++k) {  // bends one side more and more, about the cut as well
       const Vec2& p = m.parameter[k];
-      s.motion.x[2 * m.tables.plane + m.tables.slot(k)] = 0.02 * step * p.y() * p.y() + 2e-6 * step * uniform(random);
+      s.motion.x[2 * m.tables.component_stride + m.tables.slot(k)] =
+          0.02 * step * p.y() * p.y() + 2e-6 * step * uniform(random);
     }
     compute_forces(m, s, false, 0.6, 1);
     for (int q = 0; q < m.tables.blocks(); ++q) {
@@ -99,7 +101,7 @@ TEST(Flaws, PointsBesideACrackTellOfTheirBlock) {
     s.layers.strength[g] = s.cracked.point_of[g] < 0 ? 1e12 : 1e5;
   for (int k = 0; k < m.control_points(); ++k)
     if ((m.parameter[k] - Vec2(0.1, 0.1)).norm() < 1.2 * m.spacing)
-      s.motion.x[2 * m.tables.plane + m.tables.slot(k)] = m.parameter[k].x() < 0.1 ? 1e-5 : -1e-5;
+      s.motion.x[2 * m.tables.component_stride + m.tables.slot(k)] = m.parameter[k].x() < 0.1 ? 1e-5 : -1e-5;
   compute_forces(m, s, false, 1.0, 1);
   int told = 0;
   for (int q = 0; q < m.tables.blocks(); ++q) {
@@ -108,7 +110,7 @@ TEST(Flaws, PointsBesideACrackTellOfTheirBlock) {
       const bool beside = s.cracked.point_of[m.tables.at(q, 1, 0, lane)] >= 0;
       above = above || (beside && is_above(m, s, q, lane));
       for (int k = 0; k < 6 && !beside; ++k)
-        others = others || std::abs(s.layers.surface_stress[m.tables.at(q, 6, k, lane)]) > 3e4;
+        others = others || std::abs(s.layers.face_stress[m.tables.at(q, 6, k, lane)]) > 3e4;
     }
     if (!above || others) continue;
     EXPECT_TRUE(s.caches.over[q]) << "block " << q;
@@ -240,8 +242,8 @@ TEST(Flaws, OpenWhereTheStrengthIsAShareOfTheMaterialsAsElsewhere) {
   weak.m.strength_factor.assign(weak.s.layers.strength.size(), 0.5f);
   for (int k = 0; k < weak.m.control_points(); ++k)
     for (int d = 0; d < 2; ++d)
-      weak.s.motion.x[d * weak.m.tables.plane + weak.m.tables.slot(k)] =
-          0.5 * (weak.s.motion.x[d * weak.m.tables.plane + weak.m.tables.slot(k)] + weak.m.parameter[k][d]);
+      weak.s.motion.x[d * weak.m.tables.component_stride + weak.m.tables.slot(k)] =
+          0.5 * (weak.s.motion.x[d * weak.m.tables.component_stride + weak.m.tables.slot(k)] + weak.m.parameter[k][d]);
   EXPECT_TRUE(weak.opens());
 }
 
@@ -299,7 +301,7 @@ TEST(EnergyReleaseZone, StoredIsWhatTensionAcrossThemDoesInTheirZone) {
       for (int q = 0; q < m.tables.blocks(); ++q)
         for (int lane = 0; lane < m.tables.spans_u; ++lane)
           for (int k = 0; k < 6; ++k)
-            s.layers.surface_stress[m.tables.at(q, 6, k, lane)] =
+            s.layers.face_stress[m.tables.at(q, 6, k, lane)] =
                 k % 3 == 1 ? (k < 3 ? below : 1.0) * above(gauss_point(m.patch, m.tables, q, lane).parameter) : 0.0;
     };
     const auto stored = [&](int face, const Vec2& along, double even) {
@@ -350,9 +352,9 @@ TEST(EnergyReleaseZone, StoredInALargeZoneIsTheSame) {
   for (int q = 0; q < m.tables.blocks(); ++q)
     for (int lane = 0; lane < m.tables.spans_u; ++lane) {
       const Vec2 p = gauss_point(m.patch, m.tables, q, lane).parameter;
-      s.layers.surface_stress[m.tables.at(q, 6, 3, lane)] =
+      s.layers.face_stress[m.tables.at(q, 6, 3, lane)] =
           10e6 * std::cos(8.0 * (p.x() - 0.1)) * std::cos(8.0 * (p.y() - 0.1));
-      s.layers.surface_stress[m.tables.at(q, 6, 0, lane)] = -s.layers.surface_stress[m.tables.at(q, 6, 3, lane)];
+      s.layers.face_stress[m.tables.at(q, 6, 0, lane)] = -s.layers.face_stress[m.tables.at(q, 6, 3, lane)];
     }
   for (const double radius : {0.03, 0.09}) {  // 6 and 18 spacings: all, every other
     double sum = 0.0;
@@ -392,7 +394,7 @@ TEST(EnergyReleaseZone, StartOnlyWhereTheirZoneStoresTheEnergy) {
       for (int lane = 0; lane < m.tables.spans_u; ++lane) {
         const Vec2 p = at(q, lane);
         const double stress = std::abs(p.x() - 0.1) < sheet.half_width ? sheet.stress : sheet.beside;
-        for (int k = 0; k < 6; ++k) s.layers.surface_stress[m.tables.at(q, 6, k, lane)] = k % 3 == 0 ? stress : 0.0;
+        for (int k = 0; k < 6; ++k) s.layers.face_stress[m.tables.at(q, 6, k, lane)] = k % 3 == 0 ? stress : 0.0;
         if (sheet.border_only && p.y() > 0.005) s.layers.strength[m.tables.at(q, 1, 0, lane)] = 1e12;
       }
     const CrackRules r = make_crack_rules(m, 0.0);

@@ -32,8 +32,8 @@ Drive drive_of(double angle, double across, double lower, double most) {
   for (int q = 0; q < m.tables.blocks(); ++q)
     for (int lane = 0; lane < m.tables.spans_u; ++lane)
       for (int k = 0; k < 3; ++k) {
-        s.layers.surface_stress[m.tables.at(q, 6, k, lane)] = lower * upper[k];
-        s.layers.surface_stress[m.tables.at(q, 6, 3 + k, lane)] = upper[k];
+        s.layers.face_stress[m.tables.at(q, 6, k, lane)] = lower * upper[k];
+        s.layers.face_stress[m.tables.at(q, 6, 3 + k, lane)] = upper[k];
       }
   Start start;
   start.p = {0.1033, 0.0971}, start.direction = turned(Vec2(1, 0), angle), start.most_turn = most;

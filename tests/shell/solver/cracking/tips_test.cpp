@@ -32,7 +32,7 @@ ShellState opened(const ShellModel& m) {
     const double angle = std::atan2(-d.x(), d.y()), sine = std::sin(0.5 * angle), cosine = std::cos(0.5 * angle);
     const double u = 0.5 * k1 / shear * std::sqrt(d.norm() / (2.0 * std::numbers::pi));
     s.motion.x[m.tables.slot(k)] -= u * sine * (kappa + 1.0 - 2.0 * cosine * cosine);
-    s.motion.x[m.tables.plane + m.tables.slot(k)] += u * cosine * (kappa - 1.0 + 2.0 * sine * sine);
+    s.motion.x[m.tables.component_stride + m.tables.slot(k)] += u * cosine * (kappa - 1.0 + 2.0 * sine * sine);
   }
   compute_forces(m, s, false, 1.0, 1);
   std::fill(s.motion.force.begin(), s.motion.force.end(), 0.0);  // the field is at rest, up to the grid

@@ -87,14 +87,14 @@ TEST(Stitching, WorkOfWhatASupportDrivesAtTheEndOfASeamIsBookedOnce) {
     // supports bear what is left of the inner forces, which sum to zero
     double borne = 0.0, left = 0.0, size = 0.0;
     for (std::size_t i = 0; i < s.size(); ++i) {
-      const int plane = s.model(i).tables.plane;
+      const int stride = s.model(i).tables.component_stride;
       borne += reaction(s.model(i), s.state(i), Vec3::Zero()).y();
-      std::vector<char> supported(plane, 0);
+      std::vector<char> supported(stride, 0);
       for (const int slot : s.model(i).constraints.held[1]) supported[slot] = 1;
       for (const int slot : s.model(i).constraints.driven[0].slots[1]) supported[slot] = 1;
-      for (int slot = 0; slot < plane; ++slot) {
+      for (int slot = 0; slot < stride; ++slot) {
         if (s.state(i).motion.mass[slot] == 0.0) continue;  // follows others, which have its force
-        const double force = s.state(i).motion.force[plane + slot];
+        const double force = s.state(i).motion.force[stride + slot];
         size += std::abs(force), left += supported[slot] ? 0.0 : force;
       }
     }

@@ -110,7 +110,8 @@ TEST(TiePlaces, FunctionsBesideACrackAreThoseOfTheSurface) {
     ASSERT_FALSE(found.functions.empty()) << v;
     Vec3 x = Vec3::Zero(), u = Vec3::Zero();
     for (const GatheredFunction& f : found.functions) {
-      const Vec3 rest(m.rest[f.slot], m.rest[m.tables.plane + f.slot], m.rest[2 * m.tables.plane + f.slot]);
+      const Vec3 rest(m.rest[f.slot], m.rest[m.tables.component_stride + f.slot],
+                      m.rest[2 * m.tables.component_stride + f.slot]);
       x += f.n[0] * rest, u += f.n[1] * rest;
       if (std::abs(v - 0.5) < 0.3 && std::abs(v - 0.5) > 1e-3) {
         EXPECT_TRUE((m.trim.home[m.tables.control_point(f.slot)].y() > 0.5) == (v > 0.5) || std::abs(v - 0.5) > 0.2)

@@ -77,7 +77,7 @@ TEST(Freeze, TakesWhatIsBentAsItStands) {
     const Vec3 rest = swung.position(slot),
                arc = Vec3(radius * std::sin(rest.x() / radius), rest.y(), radius * (1.0 - std::cos(rest.x() / radius)));
     for (int d = 0; d < 3; ++d) {
-      const std::size_t k = static_cast<std::size_t>(d) * m.tables.plane + slot;
+      const std::size_t k = static_cast<std::size_t>(d) * m.tables.component_stride + slot;
       swung.motion.x[k] = (turn * rest)[d], bent.motion.x[k] = arc[d];
     }
   }

@@ -151,7 +151,7 @@ TEST(Modes, OfAFreeRingAreThoseOfHoppe) {
   for (const Mode& mode : found.modes) {
     double along = 0.0;  // of the axis
     for (int i = 0; i < m.control_points(); ++i)
-      along = std::max(along, std::abs(mode.shape[2 * m.tables.plane + m.tables.slot(i)]));
+      along = std::max(along, std::abs(mode.shape[2 * m.tables.component_stride + m.tables.slot(i)]));
     if (along > 0.01) continue;
     const double exact = unit * n * n * std::pow(n * n - 1, 2) / (n * n + 1);
     EXPECT_NEAR(omega2(mode) / exact, 1.0, 5e-3) << n;
@@ -166,15 +166,15 @@ TEST(Modes, ShapesHaveTheLargestLengthOneAndAreOrthogonal) {
   for (std::size_t i = 0; i < 4; ++i) {
     double largest = 0.0;
     for (int k = 0; k < m.control_points(); ++k) {
-      const std::size_t slot = m.tables.slot(k), plane = m.tables.plane;
+      const std::size_t slot = m.tables.slot(k), stride = m.tables.component_stride;
       const auto& u = found.modes[i].shape;
-      largest = std::max(largest, Vec3(u[slot], u[plane + slot], u[2 * plane + slot]).norm());
+      largest = std::max(largest, Vec3(u[slot], u[stride + slot], u[2 * stride + slot]).norm());
     }
     EXPECT_NEAR(largest, 1.0, 1e-12);
     for (std::size_t j = 0; j < i; ++j) {
       double product = 0.0, own = 0.0;
       for (std::size_t k = 0; k < found.modes[i].shape.size(); ++k) {
-        const double mass = m.mass[k % m.tables.plane];
+        const double mass = m.mass[k % m.tables.component_stride];
         product += mass * found.modes[i].shape[k] * found.modes[j].shape[k];
         own += mass * found.modes[i].shape[k] * found.modes[i].shape[k];
       }

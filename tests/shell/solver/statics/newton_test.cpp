@@ -45,7 +45,7 @@ TEST(FreeDegrees, AreThoseThatNoSupportHolds) {
   std::set<int> numbers;
   for (int i = 0; i < m.control_points(); ++i)
     for (int d = 0; d < 3; ++d) {
-      const int n = free.number[static_cast<std::size_t>(d) * m.tables.plane + m.tables.slot(i)];
+      const int n = free.number[static_cast<std::size_t>(d) * m.tables.component_stride + m.tables.slot(i)];
       EXPECT_EQ(n < 0, i % m.tables.columns < 2);
       if (n >= 0) numbers.insert(n);
     }
@@ -61,7 +61,8 @@ TEST(FreeDegrees, OfWhatMovesTogetherAreOne) {
   const FreeDegrees free = free_degrees(m, make_state(m, Vec3::Zero(), 0));
   for (const auto& group : m.constraints.tied[2]) {
     std::set<int> numbers;
-    for (const int slot : group) numbers.insert(free.number[2 * static_cast<std::size_t>(m.tables.plane) + slot]);
+    for (const int slot : group)
+      numbers.insert(free.number[2 * static_cast<std::size_t>(m.tables.component_stride) + slot]);
     EXPECT_EQ(numbers.size(), 1u);
   }
 }

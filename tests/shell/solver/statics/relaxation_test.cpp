@@ -75,7 +75,8 @@ TEST(Equilibrium, WithoutALoadIsRest) {
   const ShellModel m = thin_strip(0.01, {clamp_at_the_root()}, none);
   ShellState s = make_state(m, Vec3::Zero(), 0);
   for (int i = 0; i < m.control_points(); ++i)
-    if (!m.held[m.tables.slot(i)]) s.motion.x[2 * m.tables.plane + m.tables.slot(i)] += 1e-3 * m.parameter[i].x();
+    if (!m.held[m.tables.slot(i)])
+      s.motion.x[2 * m.tables.component_stride + m.tables.slot(i)] += 1e-3 * m.parameter[i].x();
   const RelaxationResult r = relax(m, s, {});
   ASSERT_TRUE(r.converged) << r.residual;
   EXPECT_EQ(r.stable, RelaxationResult::Stable::kYes);

@@ -36,9 +36,9 @@ TEST(GridTransfer, BooksWhatItLoses) {
         Rig rig(std::move(setup), 2);
         const ShellModel& m = rig.model();
         ShellState& s = rig.state();
-        const std::size_t plane = m.tables.plane;
+        const std::size_t stride = m.tables.component_stride;
         for (int i = 0; i < m.control_points(); ++i)
-          s.motion.v[2 * plane + m.tables.slot(i)] += std::cos(12.0 * m.parameter[i].x());
+          s.motion.v[2 * stride + m.tables.slot(i)] += std::cos(12.0 * m.parameter[i].x());
         constrain(m, s, 1.0);
         if (kind != Transfer::kDirect) s.motion.before = s.motion.v;
         const double dt = 0.25 * stable_step(m, s, 100, 1, false);

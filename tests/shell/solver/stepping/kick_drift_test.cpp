@@ -143,12 +143,13 @@ TEST(Jump, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
       apply_force_discontinuity({{&m, &s}}, kStep);
       double along = 0.0, all = 0.0;
       for (std::size_t k = 0; k < jump.size(); ++k) {
-        const double half = 0.5 * kStep * s.motion.inverse_mass[k % m.tables.plane] * jump[k];
+        const double half = 0.5 * kStep * s.motion.inverse_mass[k % m.tables.component_stride] * jump[k];
         along += half * (s.motion.v[k] - then[k]), all += half * half;
       }
       const double share = along / all;
       for (std::size_t k = 0; k < jump.size(); ++k)
-        EXPECT_NEAR(s.motion.v[k] - then[k], share * 0.5 * kStep * s.motion.inverse_mass[k % m.tables.plane] * jump[k],
+        EXPECT_NEAR(s.motion.v[k] - then[k],
+                    share * 0.5 * kStep * s.motion.inverse_mass[k % m.tables.component_stride] * jump[k],
                     1e-12 * largest(then));
       if (towards > 0.0) {
         EXPECT_NEAR(share, 1.0, 1e-9) << c.name;
@@ -195,7 +196,7 @@ TEST(Jump, FacesAreDrivenApartForThePassageOfAWaveAtMost) {
   compute_forces(m, s, true, 0.0, 1);
   apply_force_discontinuity({{&m, &s}}, kStep);
   for (std::size_t k = 0; k < jump.size(); ++k) {
-    const double most = m.response_time() * s.motion.inverse_mass[k % m.tables.plane] * jump[k];
+    const double most = m.response_time() * s.motion.inverse_mass[k % m.tables.component_stride] * jump[k];
     EXPECT_NEAR(then[k] - s.motion.v[k], most, 1e-12 * largest(then));
   }
   EXPECT_GT(s.cracks.taken, 0.5 * much);
@@ -216,7 +217,8 @@ TEST(Jump, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksLetGo) {
     for (double& v : s.motion.v) v = 0.0;
     for (std::size_t k = 0; k < s.motion.force.size(); ++k) s.motion.force[k] = s.cracks.force_discontinuity[k];
     for (std::size_t k = 0; k < s.cracks.force_discontinuity.size(); ++k)
-      s.motion.v[k] = -0.3 * kStep * s.motion.inverse_mass[k % m.tables.plane] * s.cracks.force_discontinuity[k];
+      s.motion.v[k] =
+          -0.3 * kStep * s.motion.inverse_mass[k % m.tables.component_stride] * s.cracks.force_discontinuity[k];
     const double fracture = s.book.fracture, injected = s.book.injected;
     s.cracks.released = let_go * gained;
     apply_force_discontinuity({{&m, &s}}, kStep);
@@ -292,7 +294,7 @@ TEST(Damping, LetsAModeDecayAtItsRate) {
   // first bending mode of a simply supported square, small: linear
   for (int i = 0; i < m.control_points(); ++i)
     if (!m.held[m.tables.slot(i)])
-      s.motion.v[2 * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] =
+      s.motion.v[2 * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] =
           0.1 * std::sin(M_PI * m.parameter[i].x() / 0.2) * std::sin(M_PI * m.parameter[i].y() / 0.2);
   const double rigidity = 70e9 * std::pow(0.004, 3) / (12 * (1 - 0.22 * 0.22));
   const double omega = 2 * std::pow(M_PI / 0.2, 2) * std::sqrt(rigidity / (2500 * 0.004));
