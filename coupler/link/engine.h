@@ -40,7 +40,7 @@ struct EngineInfo {
 };
 
 /// Motion of a body. At the end of a window before the engine's contacts it is the body's *predicted state* (field
-/// `handbacks` of a window).
+/// `predicted` of a window).
 struct Motion {
   BodyId id = 0;
   BodyMotion motion;
@@ -75,7 +75,7 @@ class Engine {
   /// leads to its predicted pose; contacts and joints are found and solved on these velocities. A body ends with its
   /// predicted velocity plus the change that the solver made. Then velocities are solved once more at the new pose.
   /// `predicted`: one state for each body that is not static, by ascending id. Contacts and joints of bodies in
-  /// `solved` (by id) are left out. Throws Error (bad_handback) where the states do not match the bodies.
+  /// `solved` (by id) are left out. Throws Error (bad_predicted_state) where the states do not match the bodies.
   virtual void advance(double window_s, const std::vector<Motion>& predicted, const std::vector<BodyId>& solved) = 0;
   /// State of every body that is not static, by ascending id.
   virtual std::vector<State> states() const = 0;

@@ -108,7 +108,7 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
   if (w.tick != tick_ || w.ticks < 1 || w.ticks > std::numeric_limits<std::int64_t>::max() - tick_)
     refuse(fmt::format("window at tick {} (+{}), expected {}", w.tick, w.ticks, tick_));
   if (!std::isfinite(w.window_s) || w.window_s <= 0.0) refuse(fmt::format("window_s is {}", w.window_s));
-  match(w.handbacks, "handback");
+  match(w.predicted, "predicted state");
   held(w.solved, "window.solved");
   if (!w.released.empty()) needs(capability::kReleaseJoints, "window.released");
   for (const std::uint32_t id : w.released) {
@@ -121,7 +121,7 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
     last_caches_ = engine_.save(), last_motions_ = motions(), last_tick_ = tick_;
   }
   moved_ = true;
-  engine_.advance(w.window_s, w.handbacks, w.solved);
+  engine_.advance(w.window_s, w.predicted, w.solved);
   add(w.births, "births");
   if (!w.births.empty()) last_tick_ = -1;  // births cannot be undone
   tick_ += w.ticks;

@@ -191,13 +191,13 @@ proto::Joint encode(const Joint& j) {
   return m;
 }
 
-void encode(const Motion& motion, proto::Handback* out) {
+void encode(const Motion& motion, proto::PredictedState* out) {
   out->set_id(motion.id);
   encode_motion(motion.motion, out);
 }
 
-proto::Handback encode(const Motion& motion) {
-  proto::Handback h;
+proto::PredictedState encode(const Motion& motion) {
+  proto::PredictedState h;
   encode(motion, &h);
   return h;
 }
@@ -269,7 +269,7 @@ World decode(const proto::Load& load) {
   return world;
 }
 
-std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<proto::Handback>& motions,
+std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<proto::PredictedState>& motions,
                                    const std::string& field) {
   check(motions.size() <= kMaxBodies, "{}: {} bodies; {} at most", field, motions.size(), kMaxBodies);
   std::vector<Motion> out;
@@ -291,7 +291,7 @@ std::vector<std::uint32_t> decode_ids(const google::protobuf::RepeatedField<std:
 WindowTask decode(const proto::Window& w) {
   WindowTask task;
   task.tick = w.tick(), task.ticks = w.ticks(), task.window_s = w.window_s(), task.again = w.again();
-  task.handbacks = decode_motions(w.handbacks(), "handbacks");
+  task.predicted = decode_motions(w.predicted(), "predicted");
   task.solved = decode_ids(w.solved(), "solved");
   task.released = decode_ids(w.released(), "released");
   task.births = decode_bodies(w.births(), "births");

@@ -25,9 +25,9 @@ proto::Quaternion encode(const Quat& q);
 proto::RigidBody encode(const RigidBody& body);
 proto::Contact encode(const ContactLaw& law);
 proto::Joint encode(const Joint& joint);
-proto::Handback encode(const Motion& motion);
+proto::PredictedState encode(const Motion& motion);
 /// The same in place, for messages with many bodies: no copy.
-void encode(const Motion& motion, proto::Handback* out);
+void encode(const Motion& motion, proto::PredictedState* out);
 void encode(const ContactRow& row, proto::ContactRow* out);
 void encode_states(const std::vector<State>& states, google::protobuf::RepeatedPtrField<proto::BodyState>* out);
 
@@ -48,7 +48,7 @@ EngineInfo decode_peer(const proto::HelloReply& hello);
 Error decode_error(const proto::Error& error, const std::string& who);
 std::vector<RigidBody> decode_bodies(const google::protobuf::RepeatedPtrField<proto::RigidBody>& bodies,
                                      const std::string& field);
-std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<proto::Handback>& motions,
+std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<proto::PredictedState>& motions,
                                    const std::string& field);
 std::vector<BodyId> decode_ids(const google::protobuf::RepeatedField<std::uint32_t>& ids, const std::string& field);
 /// States with exactly one entry for each body in `expected`, by ascending id.

@@ -112,7 +112,7 @@ std::vector<State> RemoteRigid::window(const WindowTask& task) {
   proto::Request& request = fresh_request();
   auto* w = request.mutable_window();
   w->set_tick(task.tick), w->set_ticks(task.ticks), w->set_window_s(task.window_s), w->set_again(task.again);
-  for (const Motion& m : task.handbacks) encode(m, w->add_handbacks());
+  for (const Motion& m : task.predicted) encode(m, w->add_predicted());
   for (const BodyId id : task.solved) w->add_solved(id);
   for (const std::uint32_t id : task.released) w->add_released(id);
   for (const RigidBody& b : task.births) {

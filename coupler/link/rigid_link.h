@@ -23,7 +23,7 @@ struct WindowTask {
   std::int64_t tick = 0;  // at the start of the window
   int ticks = 1;
   double window_s = 0.0;                  // length of the whole window [s]
-  std::vector<Motion> handbacks;          // predicted states of all bodies that are not static, by id
+  std::vector<Motion> predicted;          // predicted states of all bodies that are not static, by id
   std::vector<BodyId> solved;             // bodies whose contacts and joints the shell process has solved, by id
   std::vector<RigidBody> births{};        // bodies added at the end of the window
   bool again = false;                     // replaces the last window

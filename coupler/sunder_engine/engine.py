@@ -36,7 +36,7 @@ class Engine:
         """Takes the Contact laws of pairs of contact groups. Pairs without one have friction 0.5 and restitution 0."""
 
     def advance(self, window_s: float, predicted: Sequence[Any], solved: Sequence[int]) -> None:
-        """One window of `window_s` seconds. `predicted`: a Handback for each body that is not static, by ascending id.
+        """One window of `window_s` seconds. `predicted`: a PredictedState for each body that is not static, by ascending id.
         Contacts and joints of the bodies in `solved` are left out."""
         raise NotImplementedError
 
@@ -53,7 +53,7 @@ class Engine:
         self._lacks("release_joints")
 
     def rows(self, window_s: float, motions: Sequence[Any], bodies: Sequence[int]) -> Iterable[Any]:
-        """ContactRows that `bodies` may have in the next window, with Handbacks as in advance(). Nothing moves."""
+        """ContactRows that `bodies` may have in the next window, with PredictedStates as in advance(). Nothing moves."""
         self._lacks("export_rows")
 
     def save(self) -> bytes:

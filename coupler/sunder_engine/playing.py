@@ -175,7 +175,7 @@ class Player:
         found = Reply(one.kind, one.number)
         said = getattr(one.request, one.kind)
         if one.kind == "window":
-            self._predicted = {motion.id: motion for motion in said.handbacks}
+            self._predicted = {motion.id: motion for motion in said.predicted}
             self._windows += 1
             found.window = self._windows
             found.tick, found.ticks, found.window_s = said.tick, said.ticks, said.window_s

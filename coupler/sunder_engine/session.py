@@ -140,7 +140,7 @@ class Session:
             self._tick = self._last[0]
         need(request.tick == self._tick and request.ticks >= 1, f"window at tick {request.tick} (+{request.ticks}), "
              f"expected {self._tick}")
-        self._check_motions(request.window_s, request.handbacks)
+        self._check_motions(request.window_s, request.predicted)
         if request.solved:
             self._needs("export_rows", "window.solved")
         self._held(request.solved, "window.solved")
@@ -154,7 +154,7 @@ class Session:
         elif self._keeps:
             self._last = self._tick, self._engine.save(), self._motions()
         self._moved = True
-        self._engine.advance(request.window_s, request.handbacks, request.solved)
+        self._engine.advance(request.window_s, request.predicted, request.solved)
         self._add(request.births, "births")
         if request.births:
             self._last = None  # births cannot be undone
@@ -223,7 +223,7 @@ class Session:
         self._moving.sort()
 
     def _motions(self) -> list[Any]:
-        return [exchange().Handback(id=state.id, **{field: getattr(state, field) for field in MOTION})
+        return [exchange().PredictedState(id=state.id, **{field: getattr(state, field) for field in MOTION})
                 for state in self._engine.states()]
 
     def _states(self) -> list[Any]:

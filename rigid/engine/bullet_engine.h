@@ -25,7 +25,7 @@ namespace sunder::rigid {
 /// - Bodies added between two windows give the same result in any order.
 /// - save() drops the contact impulses that solves start from: a stack that is saved in every window sinks
 ///   (rigid/README.md).
-/// - restore() refuses motions that do not match the bodies (bad_handback), and wrong saved state (bad_state).
+/// - restore() refuses motions that do not match the bodies (bad_predicted_state), and wrong saved state (bad_state).
 class BulletEngine final : public Engine {
  public:
   BulletEngine();

@@ -42,7 +42,7 @@ void reject_body(const RigidBody& body, const std::string& field, const std::str
 }
 
 void reject_predicted(BodyId id, const std::string& what) {
-  Error error(Exit::kBadInput, "bad_handback", fmt::format("handback of body {}: {}", id, what));
+  Error error(Exit::kBadInput, "bad_predicted_state", fmt::format("predicted state of body {}: {}", id, what));
   error.body = std::to_string(id);
   throw error;
 }
@@ -92,7 +92,7 @@ void check_predicted(const PredictedState& predicted) {
 
 void check_window(double window_s) {
   if (!(window_s > 0.0) || !std::isfinite(window_s))
-    throw Error(Exit::kBadInput, "bad_handback", fmt::format("window_s is {} s, must be positive", window_s));
+    throw Error(Exit::kBadInput, "bad_predicted_state", fmt::format("window_s is {} s, must be positive", window_s));
 }
 
 void check_laws(const std::vector<ContactLaw>& laws) {

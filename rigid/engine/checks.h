@@ -25,15 +25,16 @@ inline std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uin
 double check_corners(const RigidBody& body, const std::vector<Vec3>& part, const std::string& field);
 /// Checks that the hull of a part, of this diagonal [m], encloses a volume. Throws Error (bad_body).
 void check_not_flat(const RigidBody& body, const Surface& hull, double diagonal, const std::string& field);
-/// Throws Error (bad_handback) for the predicted state of a body.
+/// Throws Error (bad_predicted_state) for the predicted state of a body.
 [[noreturn]] void reject_predicted(BodyId id, const std::string& what);
 /// Checks id, motion, sizes of the shape, mass and inertia. Corners of convex parts are checked elsewhere. Throws Error
 /// (bad_body) with id, name, value and remedy.
 void check_body(const RigidBody& body);
-/// Checks that a predicted state is finite and its quaternion has length 1. Throws Error (bad_handback).
+/// Checks that a predicted state is finite and its quaternion has length 1. Throws Error (bad_predicted_state).
 void check_predicted(const PredictedState& predicted);
 /// Calls take(entry, motion) for each entry of `bodies`, a map by id, that is not static, with its predicted motion.
-/// Throws Error (bad_handback) where a state is wrong, or where there is not one for each moving body, by ascending id.
+/// Throws Error (bad_predicted_state) where a state is wrong, or where there is not one for each moving body, by
+/// ascending id.
 template <class Bodies, class IsStatic, class Take>
 void match_predicted(Bodies& bodies, const std::vector<PredictedState>& predicted, IsStatic is_static, Take take) {
   auto next = predicted.begin();
@@ -48,7 +49,7 @@ void match_predicted(Bodies& bodies, const std::vector<PredictedState>& predicte
   if (next != predicted.end())
     reject_predicted(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
 }
-/// Checks that a window [s] is positive and finite. Throws Error (bad_handback).
+/// Checks that a window [s] is positive and finite. Throws Error (bad_predicted_state).
 void check_window(double window_s);
 /// Checks friction and restitution. Throws Error (bad_contact_law).
 void check_laws(const std::vector<ContactLaw>& laws);

@@ -32,7 +32,8 @@ struct OdeEngine::Impl {
   std::map<std::uint32_t, Joint> joints;
   Pairs pairs;
 
-  /// Predicted motions of the moving bodies, by id. Throws Error (bad_handback) where they do not match the bodies.
+  /// Predicted motions of the moving bodies, by id. Throws Error (bad_predicted_state) where they do not match the
+  /// bodies.
   std::vector<const BodyMotion*> match(const std::vector<PredictedState>& predicted) const;
   /// All bodies, by id, with the average velocities that lead to these motions.
   std::vector<Mover> movers(double window_s, const std::vector<const BodyMotion*>& ends) const;

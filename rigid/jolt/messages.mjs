@@ -129,13 +129,13 @@ function ascending(ids, what) {
 }
 
 export function decodeWindow(w) {
-  ascending(w.handbacks.map((h) => h.id), 'handbacks');
+  ascending(w.predicted.map((h) => h.id), 'predicted');
   ascending(w.solved, 'solved');
   ascending(w.released, 'released');
   return {
     tick: integer(w.tick), ticks: w.ticks, window_s: w.window_s, again: w.again, solved: w.solved,
     released: w.released,
-    handbacks: w.handbacks.map((h) => ({ id: h.id, ...motion(h, `handbacks[${h.id}]`) })),
+    predicted: w.predicted.map((h) => ({ id: h.id, ...motion(h, `predicted[${h.id}]`) })),
     births: decodeBodies(w.births, 'births'),
   };
 }

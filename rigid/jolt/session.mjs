@@ -81,16 +81,16 @@ export class Session {
   }
 
   /** Checks that there is one state for each moving body, by ascending id. */
-  match(handbacks) {
+  match(predicted) {
     let next = 0;
-    for (const { id } of handbacks) {
+    for (const { id } of predicted) {
       if (next < this.moving.length && id > this.moving[next]) break;
       check(id === this.moving[next],
-        () => `handback of body ${id}: names no moving body, or comes twice or out of order`);
+        () => `predicted state of body ${id}: names no moving body, or comes twice or out of order`);
       ++next;
     }
     check(next === this.moving.length,
-      () => `handback of body ${this.moving[next]}: is missing; give one for each moving body`);
+      () => `predicted state of body ${this.moving[next]}: is missing; give one for each moving body`);
   }
 
   add(bodies, what) {
@@ -177,12 +177,12 @@ export class Session {
     check(w.tick === this.tick && w.ticks >= 1, () => `window at tick ${w.tick} (+${w.ticks}), expected ${this.tick}`);
     check(Number.isSafeInteger(w.tick + w.ticks), () => `window at tick ${w.tick} (+${w.ticks}): too far`);
     check(Number.isFinite(w.window_s) && w.window_s > 0, () => `window_s is ${w.window_s}`);
-    this.match(w.handbacks);
+    this.match(w.predicted);
     for (const id of w.solved) check(this.known.has(id), () => `solved[${id}]: there is no such body`);
     for (const id of w.released) check(this.joints.has(id), () => `released[${id}]: there is no such joint`);
     const states = this.timed('window', () => {
       for (const id of w.released) this.engine.releaseJoint(id);
-      this.engine.advance(w.window_s, w.handbacks, w.solved);
+      this.engine.advance(w.window_s, w.predicted, w.solved);
       this.add(w.births, 'births');
       return this.states();
     });

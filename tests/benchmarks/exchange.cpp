@@ -21,7 +21,7 @@
 namespace sunder::bench {
 namespace {
 
-constexpr int kFourKilobytes = 31;  // bodies whose handbacks, 131 bytes each, are about 4 KB; states have 140
+constexpr int kFourKilobytes = 31;  // bodies whose predicted states, 131 bytes each, are about 4 KB; states have 140
 constexpr int kManyFragments = 1000;
 constexpr double kWindow = 1e-3;  // [s]
 constexpr double kFinish = 2.0;   // [s] that an engine may take to end after Bye
@@ -73,7 +73,7 @@ class Exchange {
     link::World world;
     for (int i = 1; i <= bodies; ++i) {
       world.bodies.push_back(fragment(i));
-      task_.handbacks.push_back({world.bodies.back().id, world.bodies.back().motion});
+      task_.predicted.push_back({world.bodies.back().id, world.bodies.back().motion});
     }
     task_.window_s = kWindow;
     rigid_.load(world);
@@ -81,14 +81,14 @@ class Exchange {
 
   void windows(int count, bool noted) {
     for (int k = 0; k < count; ++k) {
-      for (link::Motion& m : task_.handbacks) m.motion.position += kWindow * m.motion.velocity;
+      for (link::Motion& m : task_.predicted) m.motion.position += kWindow * m.motion.velocity;
       const auto start = std::chrono::steady_clock::now();
       const std::vector<link::State> states = rigid_.window(task_);
       const auto end = std::chrono::steady_clock::now();
       task_.tick += task_.ticks;
       if (noted) trips_.us.push_back(std::chrono::duration<double, std::micro>(end - start).count());
       for (std::size_t i = 0; i < states.size(); ++i)
-        ensure(same(states[i].motion, task_.handbacks[i].motion), "body {} comes back from free flight another way",
+        ensure(same(states[i].motion, task_.predicted[i].motion), "body {} comes back from free flight another way",
                states[i].id);
     }
   }

@@ -136,7 +136,7 @@ class Session(Sessions):
 
 
 class Flight:
-    """The bodies of a session, which fly freely under gravity to their handbacks."""
+    """The bodies of a session, which fly freely under gravity to their predicted states."""
 
     def __init__(self, session: Sessions, bodies: list[Message], window_s: float = 1e-3, gravity: float = -9.81,
                  laws: list[Message] | None = None, joints: list[Message] | None = None) -> None:
@@ -155,7 +155,7 @@ class Flight:
         inverse = q * [1, -1, -1, -1]
         return rotate(q, rotate(inverse, momentum) / vector(self.bodies[number]["principal_inertia"]))
 
-    def handbacks(self) -> list[Message]:
+    def predicted(self) -> list[Message]:
         out, h = [], self.window_s
         for number, s in sorted(self.states.items()):
             v, q, momentum = vector(s["velocity"]), quaternion(s["orientation"]), vector(s["angular_momentum"])
@@ -167,17 +167,17 @@ class Flight:
         return out
 
     def window(self, **more: Any) -> list[Message]:
-        """One window; returns its handbacks."""
-        handbacks = self.handbacks()
+        """One window; returns its predicted states."""
+        predicted = self.predicted()
         reply = self.session.ask({"window": {"tick": self.tick, "ticks": 3, "window_s": self.window_s,
-                                             "handbacks": handbacks, **more}})
+                                             "predicted": predicted, **more}})
         assert reply["kind"] == "window", reply
         self.tick += 3
         assert reply["window"]["tick"] == self.tick
         for b in more.get("births", []):
             self.bodies[b["id"]] = b
         self.states = self.by_id(reply["window"]["states"])
-        return handbacks
+        return predicted
 
     def run(self, windows: int) -> None:
         for _ in range(windows):
@@ -220,9 +220,9 @@ class AnyEngine(EngineCase if TYPE_CHECKING else object):
             shard["angular_momentum"] = xyz(spin * vector(shard["principal_inertia"]) * (0.3, 0.5, 0.8))
             flight = self.flight([shard, floor(1)])
             for _ in range(50):
-                handback, = flight.window()
+                motion, = flight.window()
                 state = flight.states[7]
-                self.assertEqual({key: state[key] for key in handback}, handback)
+                self.assertEqual({key: state[key] for key in motion}, motion)
 
     def test_balls_part_by_their_restitution_and_keep_momentum(self) -> None:
         for restitution in (0.0, 0.4, 1.0):

@@ -134,7 +134,7 @@ class Refusals(JoltCase):
                      "velocity": xyz((0, 0, 0)), "angular_momentum": xyz((0, 0, 0))}
 
     def window(self, back: Message | None = None, **more: object) -> Message:
-        return {"window": {"tick": 0, "ticks": 2, "window_s": 1e-3, "handbacks": [{**self.BACK, **(back or {})}], **more}}
+        return {"window": {"tick": 0, "ticks": 2, "window_s": 1e-3, "predicted": [{**self.BACK, **(back or {})}], **more}}
 
     def load(self, **more: object) -> Message:
         return {"load": {"bodies": [{**self.LOAD["load"]["bodies"][0], **more}]}}
@@ -170,10 +170,10 @@ class Refusals(JoltCase):
                 ([PROTOCOL, load, {"add_bodies": {}}], "AddBodies: the engine cannot do 'save_restore'"),
                 # field 15, a message of no bytes: a request of some later protocol, sequence 2
                 ([PROTOCOL, {"raw": "\x08\x02\x7a\x00"}], "a kind that is not known here"),
-                ([PROTOCOL, load, self.window({"id": 9})], "handback of body 1: is missing"),
-                ([PROTOCOL, load, {"window": {**window["window"], "handbacks": []}}], "handback of body 1: is missing"),
-                ([PROTOCOL, load, {"window": {**window["window"], "handbacks": [self.BACK, {**self.BACK, "id": 9}]}}],
-                 "handback of body 9: names no moving body"),
+                ([PROTOCOL, load, self.window({"id": 9})], "predicted state of body 1: is missing"),
+                ([PROTOCOL, load, {"window": {**window["window"], "predicted": []}}], "predicted state of body 1: is missing"),
+                ([PROTOCOL, load, {"window": {**window["window"], "predicted": [self.BACK, {**self.BACK, "id": 9}]}}],
+                 "predicted state of body 9: names no moving body"),
                 ([PROTOCOL, load, self.window(solved=[9])], "solved[9]: there is no such body"),
                 ([PROTOCOL, load, self.window(births=[ball(1, 1, 1, (0, 0, 0))])], "births[1]: comes twice, or is held already"),
                 ([PROTOCOL, {"load": {"tick": -1}}], "load.tick is -1"),
@@ -188,11 +188,11 @@ class Refusals(JoltCase):
         for requests, says in (
                 ([PROTOCOL, load, self.window(window_s="NaN")], "window_s is NaN"),
                 ([PROTOCOL, load, self.window(window_s=-1)], "window_s is -1"),
-                ([PROTOCOL, load, self.window({"position": nan})], "handbacks[1].position is (0, NaN, 0)"),
-                ([PROTOCOL, load, self.window({"angular_momentum": {"x": "Infinity"}})], "handbacks[1].angular_momentum"),
+                ([PROTOCOL, load, self.window({"position": nan})], "predicted[1].position is (0, NaN, 0)"),
+                ([PROTOCOL, load, self.window({"angular_momentum": {"x": "Infinity"}})], "predicted[1].angular_momentum"),
                 ([PROTOCOL, load, self.window({"orientation": {"w": 1, "x": 0.1}})], "orientation"),
                 ([PROTOCOL, load, self.window({"orientation": {"w": "NaN"}})], "orientation"),
-                ([PROTOCOL, load, {"window": {**self.window()["window"], "handbacks": [self.BACK, self.BACK]}}], "out of order"),
+                ([PROTOCOL, load, {"window": {**self.window()["window"], "predicted": [self.BACK, self.BACK]}}], "out of order"),
                 ([PROTOCOL, load, self.window(solved=[2, 1])], "solved[1]"),
                 ([PROTOCOL, load, self.window(released=[2, 1])], "released[1]"),
                 ([PROTOCOL, load, self.window(released=[1])], "released[1]: there is no such joint"),
@@ -292,7 +292,7 @@ class Peers(JoltCase):
             session.ask(PROTOCOL)
             session.ask({"load": {"bodies": heap}})
             keys = ("id", "position", "orientation", "velocity", "angular_momentum")
-            window = {"ticks": 1, "window_s": 1e-3, "handbacks": [{k: b[k] for k in keys} for b in heap]}
+            window = {"ticks": 1, "window_s": 1e-3, "predicted": [{k: b[k] for k in keys} for b in heap]}
             start = time.monotonic()
             reply = session.ask({"window": window})
             took = time.monotonic() - start

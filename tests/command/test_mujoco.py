@@ -202,7 +202,7 @@ class Refusals(MuJoCoCase):
         session.ask(PROTOCOL)
         session.ask({"load": {"bodies": heap}})
         keys = ("id", "position", "orientation", "velocity", "angular_momentum")
-        reply = session.ask({"window": {"ticks": 1, "window_s": 1e-3, "handbacks": [{k: b[k] for k in keys} for b in heap]}})
+        reply = session.ask({"window": {"ticks": 1, "window_s": 1e-3, "predicted": [{k: b[k] for k in keys} for b in heap]}})
         self.assertEqual((reply["kind"], reply["error"]["kind"], reply["ends_with"]), ("error", "contacts", 4), reply)
         self.assertIn("shorten window_s", reply["error"]["message"])
 

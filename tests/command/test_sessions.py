@@ -122,11 +122,11 @@ class Recorder:
     def window(self, **more: Any) -> None:
         predicted = []
         for state in self.states:
-            motion = exchange().Handback(id=state.id, orientation=state.orientation, angular_momentum=state.angular_momentum)
+            motion = exchange().PredictedState(id=state.id, orientation=state.orientation, angular_momentum=state.angular_momentum)
             motion.velocity.z = state.velocity.z - GRAVITY * WINDOW_S
             motion.position.z = state.position.z + WINDOW_S * motion.velocity.z
             predicted.append(motion)
-        self.states = list(self.ask("window", tick=self.tick, ticks=TICKS, window_s=WINDOW_S, handbacks=predicted, **more).states)
+        self.states = list(self.ask("window", tick=self.tick, ticks=TICKS, window_s=WINDOW_S, predicted=predicted, **more).states)
         self.tick += TICKS
 
     def close(self) -> None:
@@ -218,7 +218,7 @@ class Playing(Sessions):
                          (MEETS, (MEETS - 1) * TICKS, TICKS, WINDOW_S, 1))
         worst = one["worst"]
         recorded = [e for e in exchanges(self.path)][MEETS + 1]
-        predicted, then = recorded.request.window.handbacks[0], recorded.reply.window.states[0]
+        predicted, then = recorded.request.window.predicted[0], recorded.reply.window.states[0]
         impulse = MASS * (then.velocity.z - predicted.velocity.z)
         self.assertGreater(impulse, 0.1)
         self.assertAlmostEqual(worst["recorded_impulse_N_s"], impulse, places=12)
@@ -252,9 +252,9 @@ class Playing(Sessions):
 
     def test_what_the_engine_refuses_is_told(self) -> None:
         self.recorded()
-        fault = 'if self.window == 5: raise Refused("bad_handback", "too far", BAD_INPUT)'
+        fault = 'if self.window == 5: raise Refused("bad_predicted_state", "too far", BAD_INPUT)'
         status, said, found = self.validate(fault)
-        self.assertEqual((status, found["stopped"]), (1, "request 7 (window): refused with bad_handback: too far"), said)
+        self.assertEqual((status, found["stopped"]), (1, "request 7 (window): refused with bad_predicted_state: too far"), said)
         self.assertEqual(self.verdicts(found), ["same"] * 4)
 
     def test_an_engine_that_dies_is_lost(self) -> None:

@@ -37,7 +37,7 @@ proto::Request window(const Suite& s, std::int64_t tick = 0) {
   proto::Request r;
   auto* w = r.mutable_window();
   w->set_tick(tick), w->set_ticks(1), w->set_window_s(1e-3);
-  *w->add_handbacks() = link::encode(link::Motion{1, any_body(s, 1).motion});
+  *w->add_predicted() = link::encode(link::Motion{1, any_body(s, 1).motion});
   return r;
 }
 
@@ -127,13 +127,13 @@ void windows(Suite& s) {
   refused(s, "no_ticks", spoiled(s, [](auto& w) { w.set_ticks(0); }));
   refused(s, "length_nan", spoiled(s, [&](auto& w) { w.set_window_s(nan); }));
   refused(s, "length_negative", spoiled(s, [](auto& w) { w.set_window_s(-1e-3); }));
-  refused(s, "unknown_id", spoiled(s, [](auto& w) { w.mutable_handbacks(0)->set_id(9); }));
-  refused(s, "handback_missing", spoiled(s, [](auto& w) { w.clear_handbacks(); }));
-  refused(s, "position_nan", spoiled(s, [&](auto& w) { w.mutable_handbacks(0)->mutable_position()->set_x(nan); }));
+  refused(s, "unknown_id", spoiled(s, [](auto& w) { w.mutable_predicted(0)->set_id(9); }));
+  refused(s, "predicted_state_missing", spoiled(s, [](auto& w) { w.clear_predicted(); }));
+  refused(s, "position_nan", spoiled(s, [&](auto& w) { w.mutable_predicted(0)->mutable_position()->set_x(nan); }));
   refused(s, "velocity_infinite",
-          spoiled(s, [](auto& w) { w.mutable_handbacks(0)->mutable_velocity()->set_z(INFINITY); }));
-  refused(s, "quaternion", spoiled(s, [](auto& w) { w.mutable_handbacks(0)->mutable_orientation()->set_x(0.1); }));
-  refused(s, "no_quaternion", spoiled(s, [](auto& w) { w.mutable_handbacks(0)->clear_orientation(); }));
+          spoiled(s, [](auto& w) { w.mutable_predicted(0)->mutable_velocity()->set_z(INFINITY); }));
+  refused(s, "quaternion", spoiled(s, [](auto& w) { w.mutable_predicted(0)->mutable_orientation()->set_x(0.1); }));
+  refused(s, "no_quaternion", spoiled(s, [](auto& w) { w.mutable_predicted(0)->clear_orientation(); }));
   refused(s, "birth_without_shape", spoiled(s, [](auto& w) { w.add_births()->set_id(2); }));
   if (s.info.can(kExportRows))
     refused(s, "solved_body_that_is_not_there", spoiled(s, [](auto& w) { w.add_solved(9); }));

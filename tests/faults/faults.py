@@ -45,7 +45,7 @@ def _nan(message: Any, side: str, phase: str) -> None:
         if phase == LOAD:
             message.load.bodies[0].position.z = nan
         elif phase == FIRST:
-            message.window.handbacks[0].velocity.z = nan
+            message.window.predicted[0].velocity.z = nan
         else:
             message.window.births[0].angular_momentum.x = nan
     elif phase == LOAD:
@@ -58,7 +58,7 @@ def _nan(message: Any, side: str, phase: str) -> None:
 
 def _duplicate(message: Any, side: str, phase: str) -> None:
     if side == SHELL:
-        listed = {LOAD: message.load.bodies, FIRST: message.window.handbacks, BIRTHS: message.window.births}[phase]
+        listed = {LOAD: message.load.bodies, FIRST: message.window.predicted, BIRTHS: message.window.births}[phase]
     else:
         listed = message.load.states if phase == LOAD else message.window.states
     listed.append(listed[-1])

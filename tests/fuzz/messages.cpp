@@ -36,8 +36,9 @@ void serve(link::Engine& engine, const std::uint8_t* data, std::size_t size) {
     proto::Reply reply;
     demand(reply.ParseFromString(session.answer(request)), "a reply that is none");
     if (reply.has_error()) {
-      const std::set<std::string> kinds{"bad_message", "bad_body",      "bad_handback", "bad_contact_law", "bad_joint",
-                                        "bad_state",   "no_capability", "peer_failed",  "engine_failed"};
+      const std::set<std::string> kinds{"bad_message",     "bad_body",    "bad_predicted_state",
+                                        "bad_contact_law", "bad_joint",   "bad_state",
+                                        "no_capability",   "peer_failed", "engine_failed"};
       demand(kinds.count(reply.error().kind()) > 0, reply.error().kind() + ": " + reply.error().message());
       demand(session.over(), "goes on after an error");
     }

@@ -35,7 +35,7 @@ static std::vector<proto::Request> make_requests() {
   rows->set_window_s(1e-3);
   for (const RigidBody& b : sample_bodies()) {
     if (b.is_static) continue;
-    *window->add_handbacks() = link::encode(link::Motion{b.id, b.motion});
+    *window->add_predicted() = link::encode(link::Motion{b.id, b.motion});
     *rows->add_motions() = link::encode(link::Motion{b.id, b.motion});
     rows->add_bodies(b.id);
   }

@@ -32,9 +32,9 @@ struct Forgetful final : link::Engine {
   }
   void add(const RigidBody& body) override { exact.add(body); }
   void set_contact_laws(const std::vector<ContactLaw>&) override {}
-  void advance(double window_s, const std::vector<link::Motion>& handbacks,
+  void advance(double window_s, const std::vector<link::Motion>& predicted,
                const std::vector<BodyId>& solved) override {
-    exact.advance(window_s, handbacks, solved);
+    exact.advance(window_s, predicted, solved);
   }
   std::string save() override { return exact.save(); }
   std::vector<link::State> states() const override {

@@ -12,9 +12,9 @@ TEST(MessageMemory, IsOneBlockThatGrowsAndIsReused) {
   const auto fill = [&memory](int bodies) {
     auto& request = *google::protobuf::Arena::CreateMessage<proto::Request>(&memory.fresh());
     for (int k = 1; k <= bodies; ++k)
-      link::encode(link::Motion{static_cast<BodyId>(k), shard().motion}, request.mutable_window()->add_handbacks());
-    EXPECT_EQ(request.window().handbacks(bodies - 1).id(), static_cast<BodyId>(bodies));
-    EXPECT_EQ(request.window().handbacks(0).velocity().y(), 2.0);
+      link::encode(link::Motion{static_cast<BodyId>(k), shard().motion}, request.mutable_window()->add_predicted());
+    EXPECT_EQ(request.window().predicted(bodies - 1).id(), static_cast<BodyId>(bodies));
+    EXPECT_EQ(request.window().predicted(0).velocity().y(), 2.0);
     return &request;
   };
   fill(1), fill(300);

@@ -63,7 +63,7 @@ proto::Request window() {
   proto::Request r;
   auto* w = r.mutable_window();
   w->set_tick(0), w->set_ticks(2), w->set_window_s(1e-3);
-  auto* h = w->add_handbacks();
+  auto* h = w->add_predicted();
   h->set_id(1);
   *h->mutable_position() = encode(Vec3(0, 0, -1e-3)), *h->mutable_orientation() = encode(Quat::Identity());
   *h->mutable_velocity() = encode(Vec3(0, 0, -1)), *h->mutable_angular_momentum() = encode(Vec3(0, 0, 0));
@@ -108,7 +108,7 @@ TEST(Session, RefusesWrongOrderAndValuesAndTellsBothSides) {
     proto::Request rows;
     auto* e = rows.mutable_export_();
     e->set_window_s(1e-3), e->add_bodies(9);
-    *e->add_motions() = window().window().handbacks(0);
+    *e->add_motions() = window().window().predicted(0);
     return Requests{hello(), load(), rows};
   };
   const auto at_the_end_of_time = [] {
@@ -134,13 +134,14 @@ TEST(Session, RefusesWrongOrderAndValuesAndTellsBothSides) {
       {spoiled([](auto& w) { w.set_ticks(0); }), "tick"},
       {spoiled([&](auto& w) { w.set_window_s(nan); }), "window_s"},
       {spoiled([](auto& w) { w.set_window_s(-1); }), "window_s"},
-      {spoiled([](auto& w) { w.mutable_handbacks(0)->set_id(9); }), "handback of body 1: is missing"},
-      {spoiled([&](auto& w) { w.mutable_handbacks(0)->mutable_position()->set_x(nan); }), "position"},
-      {spoiled([](auto& w) { w.mutable_handbacks(0)->mutable_orientation()->set_x(0.1); }), "orientation"},
+      {spoiled([](auto& w) { w.mutable_predicted(0)->set_id(9); }), "predicted state of body 1: is missing"},
+      {spoiled([&](auto& w) { w.mutable_predicted(0)->mutable_position()->set_x(nan); }), "position"},
+      {spoiled([](auto& w) { w.mutable_predicted(0)->mutable_orientation()->set_x(0.1); }), "orientation"},
       {spoiled([](auto& w) { w.add_births(); }), "births"},
       {spoiled([](auto& w) { w.add_released(1); }), "released: the engine cannot do 'release_joints'"},
-      {spoiled([](auto& w) { w.clear_handbacks(); }), "bad_message: handback of body 1: is missing"},
-      {spoiled([](auto& w) { (*w.add_handbacks() = w.handbacks(0)).set_id(9); }), "bad_message: handback of body 9"},
+      {spoiled([](auto& w) { w.clear_predicted(); }), "bad_message: predicted state of body 1: is missing"},
+      {spoiled([](auto& w) { (*w.add_predicted() = w.predicted(0)).set_id(9); }),
+       "bad_message: predicted state of body 9"},
       {spoiled([](auto& w) { *w.add_births() = encode(ball()); }), "bad_message: births[1]: comes twice"},
       {spoiled([](auto& w) { w.add_solved(9); }), "bad_message: window.solved: body 9 is not held here"},
       {exported_unknown(), "bad_message: export.bodies: body 9 is not held here"},

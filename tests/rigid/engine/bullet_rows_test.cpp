@@ -268,11 +268,11 @@ TEST(BulletRows, RefusesUnknownBodiesAndWrongMotions) {
   const BodyMotion there;
   BodyMotion nowhere;
   nowhere.position.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(kind_of([&] { engine.rows(kWindow, {{1, there}}, {7}); }), "bad_handback");
-  EXPECT_EQ(kind_of([&] { engine.rows(kWindow, {}, {1}); }), "bad_handback");
-  EXPECT_EQ(kind_of([&] { engine.rows(kWindow, {{1, nowhere}}, {1}); }), "bad_handback");
-  EXPECT_EQ(kind_of([&] { engine.rows(0.0, {{1, there}}, {1}); }), "bad_handback");
-  EXPECT_EQ(kind_of([&] { engine.advance(kWindow, {{1, there}}, {7}); }), "bad_handback");
+  EXPECT_EQ(kind_of([&] { engine.rows(kWindow, {{1, there}}, {7}); }), "bad_predicted_state");
+  EXPECT_EQ(kind_of([&] { engine.rows(kWindow, {}, {1}); }), "bad_predicted_state");
+  EXPECT_EQ(kind_of([&] { engine.rows(kWindow, {{1, nowhere}}, {1}); }), "bad_predicted_state");
+  EXPECT_EQ(kind_of([&] { engine.rows(0.0, {{1, there}}, {1}); }), "bad_predicted_state");
+  EXPECT_EQ(kind_of([&] { engine.advance(kWindow, {{1, there}}, {7}); }), "bad_predicted_state");
   EXPECT_EQ(kind_of([&] { engine.rows(kWindow, {{1, there}}, {1, 2}); }), "accepted");
 }
 

@@ -108,8 +108,8 @@ TEST(BulletSave, RefusesCachesThatItCannotHaveWritten) {
   std::vector<PredictedState> fewer = there, wrong = there;
   fewer.pop_back();
   wrong[0].motion.position.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(kind_of([&] { run.engine.restore(caches, fewer); }), "bad_handback");
-  EXPECT_EQ(kind_of([&] { run.engine.restore(caches, wrong); }), "bad_handback");
+  EXPECT_EQ(kind_of([&] { run.engine.restore(caches, fewer); }), "bad_predicted_state");
+  EXPECT_EQ(kind_of([&] { run.engine.restore(caches, wrong); }), "bad_predicted_state");
   EXPECT_EQ(bits(run.engine), before);  // nothing moved
   run.engine.restore(caches, there);
 }

@@ -87,12 +87,12 @@ TEST_P(EveryEngineRefuses, PredictedStatesLawsAndCachesThatDoNotMatch) {
                                                            {{1, there}, {3, bad}}};
   const std::string caches = engine->save();
   for (std::size_t i = 0; i < faults.size(); ++i) {
-    EXPECT_EQ(kind_of([&] { engine->advance(1e-3, faults[i], {}); }), "bad_handback") << i;
-    EXPECT_EQ(kind_of([&] { engine->restore(caches, faults[i]); }), "bad_handback") << i;
-    EXPECT_EQ(kind_of([&] { engine->rows(1e-3, faults[i], {1}); }), "bad_handback") << i;
+    EXPECT_EQ(kind_of([&] { engine->advance(1e-3, faults[i], {}); }), "bad_predicted_state") << i;
+    EXPECT_EQ(kind_of([&] { engine->restore(caches, faults[i]); }), "bad_predicted_state") << i;
+    EXPECT_EQ(kind_of([&] { engine->rows(1e-3, faults[i], {1}); }), "bad_predicted_state") << i;
   }
   const std::vector<PredictedState> good = {{1, there}, {3, there}};
-  EXPECT_EQ(kind_of([&] { engine->advance(0.0, good, {}); }), "bad_handback");
+  EXPECT_EQ(kind_of([&] { engine->advance(0.0, good, {}); }), "bad_predicted_state");
   EXPECT_EQ(engine->states()[0].motion.position, Vec3::Zero());  // nothing moved
   engine->advance(1e-3, {{1, {}}, {3, there}}, {});
   const std::string full = engine->save(), before = bits(*engine);
