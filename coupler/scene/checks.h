@@ -34,14 +34,22 @@ inline void finite(const LoadedScene& s, const std::string& field, const proto::
   s.check(std::isfinite(p.u()) && std::isfinite(p.v()), field, "is ({}, {}); must be finite", p.u(), p.v());
 }
 
-/// A finite position, and a quaternion of length 1 where one is given.
+/// A turn about an axis that has a direction, by a finite angle.
+inline void turn(const LoadedScene& s, const std::string& field, const proto::AxisAngle& r) {
+  finite(s, field + ".axis", r.axis());
+  s.check(!r.has_axis() || to_vec(r.axis()).norm() > 1e-9, field + ".axis", "has no direction");
+  s.check(std::isfinite(r.angle_deg()), field + ".angle_deg", "is {}; must be finite", r.angle_deg());
+}
+
+/// A finite position, and a turn: a quaternion of length 1, or axis and angle.
 inline void pose(const LoadedScene& s, const std::string& field, const proto::Pose& p) {
   finite(s, field + ".position", p.position());
+  if (p.has_rotation()) turn(s, field + ".rotation", p.rotation());
   if (!p.has_orientation()) return;
   const auto& q = p.orientation();
   const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
   s.check(std::abs(norm - 1.0) < 1e-6, field + ".orientation",
-          "has length {}; a rotation is a quaternion w x y z of length 1", norm);
+          "has length {}; a quaternion w x y z has length 1; 'rotation' takes axis and angle", norm);
 }
 
 /// A snake_case name of fewer than 200 letters that is not in `taken` yet; adds it.

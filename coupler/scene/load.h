@@ -2,6 +2,7 @@
 // Reads a scene file, applies settings and checks the result. Every error says file:line:column, field, value and
 // remedy.
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -75,7 +76,13 @@ int patch_degree(const proto::Shell& shell);
 bool is_static(const proto::Scene& scene);
 
 inline Vec3 to_vec(const proto::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+/// The vector of a turn: along its axis, as long as its angle [rad].
+inline Vec3 to_turn(const proto::AxisAngle& r) {
+  const Vec3 axis = r.has_axis() ? Vec3(to_vec(r.axis()).normalized()) : Vec3(Vec3::UnitZ());
+  return r.angle_deg() * std::numbers::pi / 180.0 * axis;
+}
 inline Quat to_quat(const proto::Pose& p) {
+  if (p.has_rotation()) return rotation_from_vector(to_turn(p.rotation()));
   if (!p.has_orientation()) return Quat::Identity();
   const auto& q = p.orientation();
   return Quat(q.w(), q.x(), q.y(), q.z()).normalized();

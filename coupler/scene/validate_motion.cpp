@@ -21,17 +21,12 @@ void rising(const LoadedScene& s, const std::string& field, const Keys& keys, bo
   }
 }
 
-void turn(const LoadedScene& s, const std::string& field, const proto::PoseKey& key) {
-  proto::Pose pose_of_key;
-  *pose_of_key.mutable_position() = key.position();
-  if (key.has_orientation()) *pose_of_key.mutable_orientation() = key.orientation();
-  pose(s, field, pose_of_key);
-  if (!key.has_rotation()) return;
-  finite(s, field + ".rotation.axis", key.rotation().axis());
-  s.check(!key.rotation().has_axis() || to_vec(key.rotation().axis()).norm() > 1e-9, field + ".rotation.axis",
-          "has no direction");
-  s.check(std::isfinite(key.rotation().angle_deg()), field + ".rotation.angle_deg", "is {}; must be finite",
-          key.rotation().angle_deg());
+void pose_of_key(const LoadedScene& s, const std::string& field, const proto::PoseKey& key) {
+  proto::Pose p;
+  *p.mutable_position() = key.position();
+  if (key.has_orientation()) *p.mutable_orientation() = key.orientation();
+  if (key.has_rotation()) *p.mutable_rotation() = key.rotation();
+  pose(s, field, p);
 }
 
 void motion(const LoadedScene& s, const std::string& f, const proto::Body& b) {
@@ -49,7 +44,7 @@ void motion(const LoadedScene& s, const std::string& f, const proto::Body& b) {
   for (int k = 0; k < b.motion_size(); ++k) {
     const proto::PoseKey& key = b.motion(k);
     const std::string at = fmt::format("{}[{}]", field, k);
-    turn(s, at, key);
+    pose_of_key(s, at, key);
     finite(s, at + ".twist.linear", key.twist().linear()), finite(s, at + ".twist.angular", key.twist().angular());
     const bool moves = !to_vec(key.twist().linear()).isZero(0.0) || !to_vec(key.twist().angular()).isZero(0.0);
     s.check(!moves || k > 0 || key.time_s() == 0.0, at + ".twist",

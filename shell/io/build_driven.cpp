@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "coupler/core/disjoint_sets.h"
 #include "coupler/scene/mesh.h"
@@ -28,8 +27,7 @@ PoseCurve path_of(const proto::Body& m) {
       const auto& q = k.orientation();
       key.turn = rotation_vector(Quat(q.w(), q.x(), q.y(), q.z()).normalized()), key.counts_turns = false;
     } else if (k.has_rotation()) {
-      const Vec3 axis = k.rotation().has_axis() ? scene::to_vec(k.rotation().axis()).normalized() : Vec3(Vec3::UnitZ());
-      key.turn = k.rotation().angle_deg() * std::numbers::pi / 180.0 * axis;
+      key.turn = scene::to_turn(k.rotation());
     }
     if (k.has_twist()) key.velocity = scene::to_vec(k.twist().linear()), key.spin = scene::to_vec(k.twist().angular());
   }

@@ -21,7 +21,7 @@ def add_parser(subparsers: Subparsers) -> None:
         "Runs each scene, shortened, with one and two threads, and prints its state hash. Exit status 1 where a\n"
         "hash depends on the threads or is not that of --against.",
         example="sunder hashes --against before.json     (written by --json before.json before the change)")
-    parser.add_argument("scenes", metavar="SCENE", nargs="*", help="names, e.g. glass (default: all)")
+    parser.add_argument("scenes", metavar="SCENE", nargs="*", help="names, e.g. glass or paper/fig13 (default: all)")
     parser.add_argument("--threads", metavar="N", type=count, action="append", help="repeatable (default: 1 and 2)")
     parser.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the hashes, for --against")
     parser.add_argument("--against", metavar="FILE", type=Path, help="hashes of before")
@@ -29,7 +29,7 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the scenes; returns the exit status. Raises CommandError."""
-    known = sorted(path.stem for path in hashes.SCENES.glob("*.textproto"))
+    known = hashes.names()
     for name in arguments.scenes:
         if name not in known:
             raise CommandError(f"no scene '{name}' ships; {did_you_mean(name, known)}", BAD_INPUT)

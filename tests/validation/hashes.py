@@ -12,6 +12,8 @@ from pathlib import Path
 from sunder_tools.errors import CommandError, how_it_ended
 from sunder_tools.launch.shipped import SCENES
 
+PAPER = "paper"  # folder of the paper's scenes; their names here are paper/fig01 and so on
+
 # Simulated seconds after which a run ends. Each lasts until cracks, contact or hand-off have been at work.
 UNTIL = {
     "acrylic": "1e-4", "branching": "4e-5", "bullet_sheet": "0.02", "cut_pane": "0.02", "dent": "0.002",
@@ -19,7 +21,9 @@ UNTIL = {
     "impactor": "0.002", "impactor_small": "0.02", "intact_pane": "0.004", "kalthoff": "5e-5", "mirror": "1e-5", "mode_one": "6e-4",
     "mode_two": "6e-4", "over_stretch": "0.5", "pressed_plate": "3e-3", "roof": "0.2", "round_pane": "5.2e-5",
     "round_window": "6e-5", "soft_ball": "0.04", "struck_glass": "6e-5", "torn_sheet": "0.05", "torn_square": "0.5",
-    "zener": "4e-5",
+    "zener": "4e-5", "bowl": "1e-3", "lamp": "1e-3", "rabbit": "1e-3", "trousers": "0.02",
+    "paper/fig01": "2e-4", "paper/fig13": "0.1", "paper/fig14": "0.001", "paper/fig15": "0.002", "paper/fig16": "0.002",
+    "paper/fig17": "3e-4",
 }
 
 
@@ -32,6 +36,12 @@ class Hashed:
     fragments: int
     cracks_m: float
     seconds: float
+
+
+def names() -> list[str]:
+    """All scenes that ship, those of the paper last."""
+    return [path.relative_to(SCENES).with_suffix("").as_posix()
+            for folder in (SCENES, SCENES / PAPER) for path in sorted(folder.glob("*.textproto"))]
 
 
 def hash_of(program: Path, scene: str, threads: int) -> Hashed:
