@@ -1,25 +1,36 @@
 #include "shell/run/state_hash.h"
 
+#include "coupler/core/archive.h"
 #include "coupler/core/hash.h"
 
 namespace sunder::shell {
 
+namespace {
+
+template <class T>
+requires kAsBytes<T>
+void hash_member(Sha256& h, const std::vector<T>& list) { h.add(list.data(), list.size() * sizeof(T)); }
+
+void hash_member(Sha256& h, const CrackGraph& graph) {
+  for (const CrackEdge& e : graph.edges())
+    hash_member(h, std::vector<double>{e.a.x(), e.a.y(), e.b.x(), e.b.y(), e.time});
+}
+
+// Adds what a kind of state lists in its hashed(); nothing of a kind without it.
+template <class Kind>
+void hash_kind(Sha256& h, const Kind& kind) {
+  const auto take = [&h](const auto&... members) { (hash_member(h, members), ...); };
+  if constexpr (requires { Kind::hashed(kind, take); }) Kind::hashed(kind, take);
+}
+
+}  // namespace
+
 std::string state_hash(const std::string& before, const State& state) {
   Sha256 h;
   h.add(before.data(), before.size());
-  for (const ShellPart& part : state.shells) {
-    if (!part.state) continue;
-    const ShellState& s = *part.state;
-    h.add(s.motion.x), h.add(s.motion.v);
-    if (!s.layers.fibres.empty()) h.add(s.layers.fibres);
-    h.add(s.layers.c_his.data(), s.layers.c_his.size() * sizeof(float));
-    for (const CrackEdge& e : s.cracks.graph.edges())
-      h.add(std::vector<double>{e.a.x(), e.a.y(), e.b.x(), e.b.y(), e.time});
-  }
-  for (const SoftState& s : state.soft.states()) {
-    h.add(s.x.data(), s.x.size() * sizeof(Vec3)), h.add(s.v.data(), s.v.size() * sizeof(Vec3));
-    h.add(s.f.data(), s.f.size() * sizeof(Mat3)), h.add(s.affine.data(), s.affine.size() * sizeof(Mat3));
-  }
+  for (const ShellPart& part : state.shells)
+    if (part.state) ShellState::kinds(*part.state, [&h](const auto&... kinds) { (hash_kind(h, kinds), ...); });
+  for (const SoftState& s : state.soft.states()) hash_kind(h, s);
   for (const Proxy& p : state.bodies) {
     const BodyMotion& m = p.body.motion;
     h.add(std::vector<double>{static_cast<double>(p.body.id), m.position.x(), m.position.y(), m.position.z(),

@@ -34,6 +34,17 @@ struct SoftState {
   std::vector<double> energy{}, power{};
   double work = 0.0;  // power of forces and gravity on the velocities before the kick [W]
 
+  /// Calls f with all members that the hash of a run takes.
+  template <class Self, class F>
+  static void hashed(Self& self, F&& f) {
+    f(self.x, self.v, self.f, self.affine);
+  }
+  /// Calls f with all members that a checkpoint saves.
+  template <class F>
+  void saved(F&& f) {
+    hashed(*this, f);
+    f(dt, book);
+  }
   /// The kernel of a particle on the grid.
   Stencil stencil(const SoftModel& m, int particle) const {
     const Vec3& p = x[particle];
@@ -89,7 +100,7 @@ double von_mises(const SoftModel& model, const Mat3& f);
 
 template <class A>
 void archive(A& a, SoftState& s) {
-  archive_all(a, s.x, s.v, s.affine, s.f, s.dt, s.book);
+  s.saved([&a](auto&... members) { archive_all(a, members...); });
 }
 
 }  // namespace sunder::shell

@@ -85,10 +85,16 @@ struct Cracks {
   double surplus = 0.0;            // the part of it that tips released beyond what they owe: it stays motion [J]
   double taken = 0.0;              // energy that edges which ran by themselves have taken so far [J]
 
+  /// Calls f with all members that the hash of a run takes.
+  template <class Self, class F>
+  static void hashed(Self& self, F&& f) {
+    f(self.graph);
+  }
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
-    f(graph, tips, interlocks, interlock_of, cut_done, last_crack_time, interlock_energy, force_discontinuity, released,
+    hashed(*this, f);
+    f(tips, interlocks, interlock_of, cut_done, last_crack_time, interlock_energy, force_discontinuity, released,
       released_by_faces, surplus, taken);
   }
 };
@@ -106,7 +112,8 @@ struct CrackedPoints {
   // two coordinates [spacings]; 0: the functions are those of the patch.
   std::vector<float> reach;
 
-  /// Calls f with all members that a checkpoint saves; `kind_of` is computed from `gathered`.
+  /// Calls f with all members that a checkpoint saves; `kind_of` is computed from `gathered`. The hash of a run takes
+  /// none: where one differs, positions after it do.
   template <class F>
   void saved(F&& f) {
     f(tables.metric, interlayer.metric, gathered, point_of, damage, watched, reach);

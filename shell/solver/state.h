@@ -1,6 +1,7 @@
 #pragma once
-// The changing part of one shell, by kinds. A kind lists in saved() what a checkpoint stores. Caches and scratch are
-// computed again.
+// The changing part of one shell, by kinds. A kind lists in hashed() what the hash of a run takes, and in saved() what
+// a checkpoint stores: that, and what else the next substep reads. A copy takes all. Caches and scratch are computed
+// again.
 #include <algorithm>
 #include <vector>
 
@@ -32,11 +33,17 @@ struct Motion {
   std::vector<double> body_impulse;
   int released = 0;  // number of releases of supports that have been made
 
+  /// Calls f with all members that the hash of a run takes.
+  template <class Self, class F>
+  static void hashed(Self& self, F&& f) {
+    f(self.x, self.v);
+  }
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
-    f(x, v, force, time, external, last_force, mass, inverse_mass, detached, before, kicked, moving, affine,
-      support_impulse, contact_impulse, body_impulse, released);
+    hashed(*this, f);
+    f(force, time, external, last_force, mass, inverse_mass, detached, before, kicked, moving, affine, support_impulse,
+      contact_impulse, body_impulse, released);
   }
 };
 
@@ -51,10 +58,16 @@ struct LayerStates {
   double brittleness = 0.0;    // H of eq. 9 [-]; 0: damage does not drive cracks
   bool heals = true;           // damage falls with the stress; otherwise it keeps its maximum
 
+  /// Calls f with all members that the hash of a run takes.
+  template <class Self, class F>
+  static void hashed(Self& self, F&& f) {
+    f(self.fibres, self.c_his);
+  }
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
-    f(face_stress, strength, c, c_his, plastic, plastic_forms, fibres, brittleness, heals);
+    hashed(*this, f);
+    f(face_stress, strength, c, plastic, plastic_forms, brittleness, heals);
   }
 };
 
@@ -104,6 +117,11 @@ struct ShellState {
   Caches caches;
   ShellScratch scratch;
 
+  /// Calls f with all kinds that the hash of a run or a checkpoint takes.
+  template <class Self, class F>
+  static void kinds(Self& self, F&& f) {
+    f(self.motion, self.layers, self.cracks, self.cracked, self.book);
+  }
   /// Counts Gauss points without any stiffness on pieces that are not handed off.
   int rubble() const {
     return static_cast<int>(std::count_if(cracked.gathered.begin(), cracked.gathered.end(),

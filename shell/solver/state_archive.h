@@ -55,7 +55,7 @@ void archive(A& a, Kind& kind) {
 /// Reads or writes a state of the same model; caches and scratch do not change.
 template <class A>
 void archive(A& a, ShellState& s) {
-  archive_all(a, s.motion, s.layers, s.cracks, s.cracked, s.book);
+  ShellState::kinds(s, [&a](auto&... kinds) { archive_all(a, kinds...); });
   if constexpr (A::kReading)
     for (const GatheredPoint& g : s.cracked.gathered) s.cracked.note_kind(g);
 }

@@ -1,9 +1,11 @@
 // The state of a shell as a checkpoint keeps it.
+#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "coupler/core/error.h"
+#include "shell/soft/soft_state.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/state_archive.h"
@@ -38,6 +40,29 @@ void read(ShellState& s, const std::string& bytes) {
   ArchiveReader a(bytes.data(), bytes.size());
   archive_one(a, s);
   EXPECT_EQ(a.left(), 0u);
+}
+
+/// Becomes a value of any type, where none is made.
+struct Anything {
+  template <class T>
+  operator T() const;
+};
+
+/// The number of members of a structure.
+template <class T, class... Members>
+constexpr std::size_t members_of() {
+  if constexpr (requires { T{Members{}..., Anything{}}; })
+    return members_of<T, Members..., Anything>();
+  else
+    return sizeof...(Members);
+}
+
+/// The number of members that a kind of state saves.
+template <class Kind>
+std::size_t saved_members(Kind& kind) {
+  std::set<const void*> places;
+  kind.saved([&](auto&... members) { (places.insert(&members), ...); });
+  return places.size();
 }
 
 }  // namespace
@@ -87,4 +112,23 @@ TEST(StateArchive, RefusesBytesThatEndTooEarlyOrGiveImpossibleLengths) {
   for (int k = 0; k < 8; ++k) long_list[k] = '\x7f';  // the length of the first list
   ShellState other = make_state(m, Vec3::Zero(), 5);
   EXPECT_THROW(read(other, long_list), Error);
+}
+
+// A new member has to be saved, or to be named and counted here.
+TEST(StateArchive, EachMemberIsSavedOrNamedAsLeftOut) {
+  static_assert(members_of<TimedEnergy>() == 2);
+  ShellState s;
+  EXPECT_EQ(saved_members(s.motion), members_of<Motion>());
+  EXPECT_EQ(saved_members(s.layers), members_of<LayerStates>());
+  EXPECT_EQ(saved_members(s.cracks), members_of<Cracks>());
+  constexpr std::size_t kKindOf = 1;  // of gathered points: it is computed from them
+  EXPECT_EQ(saved_members(s.cracked) + kKindOf, members_of<CrackedPoints>());
+  static_assert(kAsBytes<EnergyBook>);  // it is saved whole
+  std::size_t kinds = 0;
+  ShellState::kinds(s, [&](auto&... k) { kinds = sizeof...(k); });
+  constexpr std::size_t kCachesAndScratch = 2;
+  EXPECT_EQ(kinds + kCachesAndScratch, members_of<ShellState>());
+  SoftState soft;
+  constexpr std::size_t kOfOneStep = 5;  // grid, stress, energy, power and work, made anew in each
+  EXPECT_EQ(saved_members(soft) + kOfOneStep, members_of<SoftState>());
 }
