@@ -464,6 +464,44 @@ constexpr double kSeamPad = 1.0;
 /// [-]: least sine of the angle to a trimmed seam at which a crack goes on beyond it.
 /// numerical: a flatter way would stay within an element of the seam
 constexpr double kLeastCrossing = 0.25;
+/// [h]: a crack that has ended no further from a trimmed seam has ended on it.
+/// numerical: a tip stops at a loop to round-off; the rest is room for seams whose sides lie a little apart
+constexpr double kOnTrim = 0.1;
+/// [h]: a crack does not go on over a trimmed seam where another has come within this of its place.
+/// numerical: within an edge, so that the same crack does not cross twice
+constexpr double kCrossedBefore = 0.5;
+/// [h]: the first edge beyond a trimmed seam, halved from kFirstEdge until it ends inside, ends below this.
+/// numerical: where a shell is narrow there is room for no longer one
+constexpr double kShortestFirst = 0.25;
+/// [h]: an edge of a trim loop no further from the places of a tied seam is tied: to cracks it is no free border.
+/// numerical: loops and places are samples of one curve
+constexpr double kOnTied = 0.1;
+
+// ---- Ties along trims, beside cracks
+
+/// [of a whole hat function]: a hat of which cracks leave less goes to the one beside it.
+/// numerical: a small hat weighs few places
+constexpr double kLeastHat = 0.4;
+/// [of an element]: a stretch between two cracks that is shorter ties nothing.
+/// numerical: cracks of both shells that are one may meet the seam a little apart, and what lies between them would
+/// join their sides
+constexpr double kLeastStretch = 0.3;
+/// [h]: control points that a crack hides from a place of a tie are those hidden from a point so far inside the border.
+/// numerical: a place on the border lies on the edges of its loop; small against the distance of Gauss points
+constexpr double kEyeInside = 0.02;
+/// [of the largest weight of a row]: change of weights that may close the gap of a row which cracks have changed. At
+/// rest it is kMostChange.
+/// numerical: functions beside cracks find a place less exactly than those of the patch
+constexpr double kMostRenewed = 0.5;
+
+// ---- Trimmed patches, beside cracks
+
+/// [of its mass in the whole patch]: functions beside cracks leave out control points of which loops leave less.
+/// numerical: functions of less mass move too stiffly
+constexpr double kLightMass = 0.2;
+/// [h]: visibility of a control point outside a trim loop is that of the nearest point this far inside.
+/// numerical: far above round-off, far below an edge
+constexpr double kHomeInside = 1e-3;
 
 // ---- Stable step
 

@@ -75,9 +75,12 @@ struct FaceStress {
   Sym2<T> low, high;
 };
 
+/// [of the reference metric's determinant]: a point whose metric has less bears no stress: its area is a fifth.
+/// numerical: laws of the material say nothing of so much compression, and the step would become short
+constexpr double kCrushed = 0.04;
+
 /// True if a point bears stress. A point that is squeezed to less than a fifth of its area bears none, nor does one
 /// that is bent so sharply that a layer turns inside out. The test is made at the mid-surface and the outer layers.
-constexpr double kCrushed = 0.04;  // of the reference metric's determinant
 template <class T>
 [[gnu::always_inline]] inline auto bears(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers) {
   auto good = determinant(f.a) > kCrushed * determinant(ref.a);

@@ -8,26 +8,30 @@
 #include <Eigen/Dense>
 
 #include "coupler/core/error.h"
+#include "shell/fracture/constants.h"
 #include "shell/geometry/seams.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
 namespace {
 
-// Supports of the least squares by which control points outside continue those inside [spacings]. Three points in a row
-// make a polynomial of degree 2; more than the largest would look past what visibility does.
+/// [h]: supports of the least squares by which control points outside continue those inside: the least, the most, and
+/// the step between those that are tried.
+/// numerical: three points in a row make a polynomial of degree 2; more than the largest would look past what
+/// visibility does
 constexpr double kLeastContinuation = 3.25, kMostContinuation = 5.25, kContinuationStep = 0.25;
-constexpr double kMostShares = 9.0;       // sum of magnitudes of the shares that a support may have
-constexpr double kMostMassShares = 3.0;   // the same of masses
+/// [-]: most of the sum of magnitudes of the shares that a support may have.
+/// numerical: a larger one would continue what lies inside with its error many times over
+constexpr double kMostShares = 9.0;
+/// [-]: the same of the shares of a mass.
+/// numerical: shares of a mass are of degree 1, which continues less far; negative ones take mass away
+constexpr double kMostMassShares = 3.0;
+/// [of its mass in the whole patch]: a control point of which loops leave less is dropped.
+/// numerical: functions of less mass move too stiffly; those of more keep the accuracy of the whole patch beside the
+/// loop
+constexpr double kLeastMass = 0.03;
 constexpr double kSingularShares = 1e-7;  // least over largest eigenvalue of least squares that have an answer
 constexpr double kOnPatchEdge = 1e-9;     // distance over the size of the patch at which a loop runs on its edge
-// A control point is dropped where less than this share of its mass is left. Functions of less mass move too stiffly;
-// those of more keep the accuracy of the whole patch beside the loop.
-constexpr double kLeastMass = 0.03;
-constexpr double kLightMass = 0.2;  // share of its mass below which functions beside cracks leave a control point out
-constexpr double kHomeInside =
-    1e-3;                        // distance from a loop at which a control point outside of it is at home [spacings]
-constexpr double kOnTied = 0.1;  // distance from the places of a tie at which an edge of a loop is tied [spacings]
 
 // Coefficients of the monomials up to the degree, about `centre` in units of `size`, at a control point: the blossom
 // of t^k at its inner knots, an elementary symmetric polynomial over its number of terms.

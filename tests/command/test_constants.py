@@ -8,13 +8,14 @@ from . import REPOSITORY as TOP
 
 FILE = TOP / "shell" / "fracture" / "constants.h"
 CLASSES = ("derived", "published", "numerical")
-# where every constant is of that file, but for these: those of round-off, of cost and of memory, which decide nothing
+# where every constant is of that file, but for these: those of round-off, of cost and of memory, which decide nothing, and
+# those of mechanics, which have unit, class and source where they stand
 FOLDERS = ("shell/fracture", "shell/solver/cracking", "shell/solver/joining", "shell/solver/parting")
 FILES = ("shell/solver/interlock.cpp", "shell/solver/interlock.h", "shell/solver/state.cpp", "shell/solver/surroundings.cpp",
-         "shell/solver/surroundings.h")
+         "shell/solver/surroundings.h", "shell/solver/trimming.cpp", "shell/mechanics/section.h")
 ROUND_OFF, COST, LAYOUT = "round-off of comparisons", "time or memory, no result", "size of an array, a number of a bit or of infinity"
 DRAWING = "what is drawn, no result"
-TIES = "of ties along trims: where they hold, and where a crack meets one; numerical"
+HERE = "of joints, trims or stress of a shell without cracks: unit, class and source stand beside it"
 ELSEWHERE = {
     "shell/fracture/conditioning.cpp": {"kMargin": ROUND_OFF, "kProduct": LAYOUT},
     "shell/fracture/conditioning.h": {"kChoices": LAYOUT},
@@ -29,13 +30,11 @@ ELSEWHERE = {
     "shell/solver/cracking/nucleation.cpp": {"kRoundOff": ROUND_OFF},
     "shell/solver/cracking/tips.cpp": {"kFewTips": COST},
     "shell/solver/joining/seam_cracks.cpp": {"kAtEnds": ROUND_OFF},
-    "shell/solver/joining/seam_ties.cpp": {"kTieSpacing": TIES, "kMostRenewed": TIES, "kMostChange": TIES,
+    "shell/solver/joining/seam_ties.cpp": {"kTieSpacing": HERE, "kMostChange": HERE,
                                            "kNoWeight": ROUND_OFF, "kFlat": ROUND_OFF, "kRidge": ROUND_OFF,
                                            "kPasses": COST, "kAligned": ROUND_OFF, "kBendSteps": COST,
                                            "kBent": ROUND_OFF},
-    "shell/solver/joining/tie_places.cpp": {"kSameWeight": ROUND_OFF, "kLeastHat": TIES, "kFewestClosed": TIES,
-                                            "kLeastStretch": TIES, "kEyeInside": TIES, "kReach": COST},
-    "shell/solver/joining/trim_cracks.cpp": {"kOnTrim": TIES, "kCrossedBefore": TIES, "kShortestFirst": TIES},
+    "shell/solver/joining/tie_places.cpp": {"kSameWeight": ROUND_OFF, "kFewestClosed": HERE, "kReach": COST},
     "shell/solver/joining/stitching.cpp": {"kOnALine": ROUND_OFF, "kOnePlace": ROUND_OFF, "kSweeps": COST,
                                            "kSameLength": ROUND_OFF},
     "shell/solver/joining/seam_strength.cpp": {"kSameShare": ROUND_OFF},
@@ -45,6 +44,10 @@ ELSEWHERE = {
     "shell/solver/parting/handoff.cpp": {"kAll": LAYOUT, "kRoundOff": ROUND_OFF},
     "shell/solver/surroundings.cpp": {"kFar": LAYOUT, "kSpare": COST, "kWhole": ROUND_OFF},
     "shell/solver/surroundings.h": {"kWays": LAYOUT, "kMost": COST, "kBytesOfCracks": COST},
+    "shell/solver/trimming.cpp": {"kLeastContinuation": HERE, "kMostContinuation": HERE, "kContinuationStep": HERE,
+                                  "kMostShares": HERE, "kMostMassShares": HERE, "kLeastMass": HERE,
+                                  "kSingularShares": ROUND_OFF, "kOnPatchEdge": ROUND_OFF, "kTerms": LAYOUT},
+    "shell/mechanics/section.h": {"kCrushed": HERE},
 }
 DEFINED = re.compile(r"^\s*(?:static |inline )*constexpr (?:double|float|int|std::size_t|std::int64_t) (k[A-Z].*)$", re.MULTILINE)
 
@@ -109,6 +112,12 @@ class Constants(unittest.TestCase):
             if path != FILE and (found := set(names(path.read_text()))):
                 there[str(path.relative_to(TOP))] = found
         self.assertEqual(there, {path: set(reasons) for path, reasons in ELSEWHERE.items()})
+
+    def test_what_stays_where_it_is_has_unit_class_and_source_too(self) -> None:
+        stay = [(path, name) for path, reasons in ELSEWHERE.items() for name, why in reasons.items() if why == HERE]
+        self.assertGreater(len(stay), 5)
+        for path, name in stay:
+            self.assertEqual(complaints(with_comments((TOP / path).read_text())[name]), [], f"{path}: {name}")
 
     def test_each_name_is_defined_once(self) -> None:
         here = names(FILE.read_text())

@@ -16,16 +16,19 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kTieSpacing = 1.0;   // of hat functions [elements of the coarser side]
-constexpr double kNoWeight = 1e-13;   // of the largest weight of a row
-constexpr double kMostChange = 0.1;   // of the largest weight: changes of weights that close a gap
-constexpr double kMostRenewed = 0.5;  // the same of a row that cracks have changed
-constexpr double kFlat = 1e-12;       // least over largest spread of control points that make a direction
-constexpr double kRidge = 1e-12;      // of the diagonal: rows may say nearly the same
-constexpr int kPasses = 3;            // of solutions, each of which takes away the round-off of the one before
-constexpr int kBendSteps = 6;         // of Newton's method for all creases; three suffice
-constexpr double kBent = 1e-12;       // of a length: round-off
-constexpr double kAligned = 1e-14;    // of the velocities: round-off
+/// [h]: distance of hat functions, in elements of the coarser side.
+/// numerical: finer ones would lock, since two nets have few curves in common
+constexpr double kTieSpacing = 1.0;
+/// [of the largest weight of a row]: change of weights that may close a gap at rest.
+/// numerical: a larger one would move the place that a row ties
+constexpr double kMostChange = 0.1;
+constexpr double kNoWeight = 1e-13;  // of the largest weight of a row
+constexpr double kFlat = 1e-12;      // least over largest spread of control points that make a direction
+constexpr double kRidge = 1e-12;     // of the diagonal: rows may say nearly the same
+constexpr int kPasses = 3;           // of solutions, each of which takes away the round-off of the one before
+constexpr int kBendSteps = 6;        // of Newton's method for all creases; three suffice
+constexpr double kBent = 1e-12;      // of a length: round-off
+constexpr double kAligned = 1e-14;   // of the velocities: round-off
 
 using TermMap = std::map<std::pair<int, int>, double>;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shell/fracture/constants.h"
 #include "shell/fracture/mls.h"
 #include "shell/solver/model.h"
 #include "shell/solver/surroundings.h"
@@ -11,12 +12,9 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kSameWeight = 1e-9;  // of hats: round-off
-constexpr double kLeastHat = 0.4;     // of a whole hat: one of which less is left goes to the one beside it
-constexpr int kFewestClosed = 3;      // hat functions on a seam that goes round
-// Of an element: a stretch between two cracks that is shorter ties nothing. Cracks of both shells that are one may meet
-// the seam a little apart, and what lies between them would join their sides.
-constexpr double kLeastStretch = 0.3;
-constexpr double kEyeInside = 0.02;  // from the border, of the point that looks at control points [spacings]
+/// [-]: least number of hat functions on a seam that goes round.
+/// numerical: of two, each would meet the other on both sides
+constexpr int kFewestClosed = 3;
 constexpr double kReach = kLargestSupport + 1.0;  // beyond it an edge hides nothing that a place uses [spacings]
 
 // Whether no crack stands between two points; trim loops do not count.

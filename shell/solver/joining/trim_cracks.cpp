@@ -5,15 +5,12 @@
 
 #include <Eigen/Dense>
 
+#include "shell/fracture/constants.h"
 #include "shell/solver/joining/seam_cracks.h"
 #include "shell/solver/model.h"
 
 namespace sunder::shell {
 namespace {
-
-constexpr double kOnTrim = 0.1;          // from a seam, of a crack that has ended on it [spacings]
-constexpr double kCrossedBefore = 0.5;   // from the place where a crack crosses, of another crack there [spacings]
-constexpr double kShortestFirst = 0.25;  // of the first edge beyond a seam, where a shell is narrow [spacings]
 
 // Whether the shell has a crack near p.
 bool is_cracked(const ShellModel& m, const CrackGraph& cracks, const Vec2& p) {
