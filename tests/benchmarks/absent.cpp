@@ -128,7 +128,7 @@ Cost run_once(const Variant& v) {
   return cost;
 }
 
-/// The loop of a substep with nothing around it.
+/// The loop of a substep with nothing around it: by hand, since the `substep` of a run is what is measured against it.
 Cost loop_once() {
   const TemporaryFolder folder;
   Cost cost;

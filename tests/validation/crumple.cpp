@@ -110,6 +110,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   int through = 0, folded = 0, looks = 0, touching = 0;
   double made = 0.0, given = 0.0, taken = 0.0;  // by contact
   std::vector<double> times, sizes, crossed, crossed_in_folds;
+  // A substep by hand: a run knows no pull towards a point, and it belongs between the forces and the kick.
   for (int k = 1; k <= substeps; ++k) {
     force(false);
     kick(m, s, Vec3::Zero(), dt);

@@ -13,8 +13,8 @@
 #include "shell/solver/parting/handoff.h"
 #include "shell/solver/statics/modes.h"
 #include "shell/solver/statics/tangent.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
+#include "tests/shell/rig.h"
 #include "tests/validation/cases.h"
 #include "tests/validation/discs.h"
 #include "tests/validation/tied.h"
@@ -300,10 +300,13 @@ void random_steps(Report& r, int threads) {
 // A disc with a hole that spins, drifts and vibrates.
 void flight(Report& r, int threads) {
   const Vec2 centre = Vec2::Constant(0.5 * kPatch) + kShift;
-  const ShellModel m = trimmed(
-      kPatch, patch_elements(kElements),
-      {{closed(circle(centre, 0.5 * kSize, kCorners, 0.1)), false}, {closed(circle(centre, 0.2, 24, 0.2)), true}});
-  ShellState s = make_state(m, Vec3(1.0, -2.0, 0.5), 0);
+  Rig rig(setup_of({{trimmed(kPatch, patch_elements(kElements),
+                             {{closed(circle(centre, 0.5 * kSize, kCorners, 0.1)), false},
+                              {closed(circle(centre, 0.2, 24, 0.2)), true}}),
+                     Vec3(1.0, -2.0, 0.5)}}),
+          threads);
+  const ShellModel& m = rig.model();
+  ShellState& s = rig.state();
   const Vec3 middle(centre.x(), centre.y(), 0.0);
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
@@ -315,11 +318,7 @@ void flight(Report& r, int threads) {
   const Totals before = totals(m, s);
   double elastic = compute_forces(m, s, true, 0.0, threads);
   const double first = elastic + kinetic_energy(m, s, dt);
-  for (int k = 0; k < 20000; ++k) {
-    compute_forces(m, s, false, 0.0, threads);
-    kick(m, s, Vec3::Zero(), dt);
-    drift(m, s, dt);
-  }
+  for (int k = 0; k < 20000; ++k) rig.step(dt);
   elastic = compute_forces(m, s, true, 0.0, threads);
   const double last = elastic + kinetic_energy(m, s, dt);
   // at the time of the positions

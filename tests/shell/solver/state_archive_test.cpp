@@ -85,6 +85,7 @@ TEST(StateArchive, AStateThatIsReadContinuesToTheBit) {
       EXPECT_EQ(a.depth, b.depth);
     }
   EXPECT_EQ(other.cracked.kind_of, s.cracked.kind_of);  // not saved: it follows from the points
+  // A substep by hand: two states of one model go on, and neither belongs to a simulation.
   for (ShellState* t : {&s, &other})
     for (int k = 0; k < 20; ++k) {
       compute_forces(m, *t, false, 0.5, 1);
