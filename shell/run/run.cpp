@@ -1,17 +1,14 @@
 #include "shell/run/run.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "shell/io/scene_copy.h"
-#include "shell/run/flight.h"
-#include "shell/solver/joining/seam_cracks.h"
+#include "shell/run/equilibria.h"
 
 namespace sunder::shell {
 namespace {
 
 constexpr double kLookInterval = 0.1;  // between two checks of the peer [s of wall time]
-constexpr double kPatience = 5.0;      // wait of an interruption for the end of the window [s of wall time]
 
 RunSetup limited(RunSetup setup, double until) {
   if (until > 0.0) setup.end_time = std::min(setup.end_time, until);
@@ -79,46 +76,14 @@ void Run::start() {
     if (*interrupted_)
       throw Error(Exit::kInterrupted, "interrupted", "interrupted while the equilibrium was looked for");
   };
-  if (setup_.steps > 0) return find_all_equilibria(look);
-  try {
-    simulation_.start_shells(look);
-  } catch (const Error& e) {
-    if (e.kind == "equilibrium") keep_last_equilibrium(0.0);
-    throw;
-  }
+  const Equilibria equilibria{setup_, clock_, simulation_, pieces_, books_, recorder_};
+  if (setup_.steps > 0) return equilibria.find_all(look);
+  equilibria.find_first(look);
   pieces_.look();
   books_.open(simulation_, simulation_.total_energy(0.0));
   recorder_.write_summary("running", nullptr);
   recorder_.write_probes();
   recorder_.write_frame();
-}
-
-void Run::find_all_equilibria(const std::function<void()>& look) {
-  simulation_.make_states();
-  for (int step = 0; step < setup_.steps; ++step) {
-    try {
-      simulation_.find_equilibria(step, look);
-    } catch (const Error& e) {
-      double share = 1.0;  // of the way to this step, for the shell that has failed
-      for (const ShellPart& part : simulation_.state.shells)
-        if (!part.equilibrium.converged) share = std::min(share, part.equilibrium.share);
-      if (e.kind == "equilibrium" && (step > 0 || share > 0.0)) keep_last_equilibrium(step + share);
-      throw;
-    }
-    clock_.tick = ++clock_.windows;
-    pieces_.look();
-    const double energy = simulation_.total_energy(0.0);
-    if (step == 0) books_.open(simulation_, energy);
-    recorder_.write_series_row();
-    recorder_.write_probes();
-    recorder_.write_frame();
-  }
-}
-
-void Run::keep_last_equilibrium(double time) {
-  simulation_.make_states();  // of shells whose turn would have come
-  pieces_.look();
-  recorder_.write_frame(time);
 }
 
 void Run::window() {
@@ -138,97 +103,6 @@ void Run::window() {
   recorder_.traced(simulation_.state.solving() ? "window" : "window without a shell", begin);
   pass_mark();
   if (options_.observe) options_.observe(*this);
-}
-
-void Run::shell_window() {
-  State& state = simulation_.state;
-  StageTimes& times = simulation_.scratch.times;
-  const double length = simulation_.substep_length(clock_.windows);
-  coupler_.limit_window(end_tick() - clock_.tick);
-  const int ticks = coupler_.window_ticks();
-  const double window = clock_.ticks.time(ticks);
-  // The substep does not depend on the length of the window.
-  const int n = std::max(1, static_cast<int>(simulation_.substeps_of_tick(length, clock_.windows))) * ticks;
-  const double last = dt_, dt = dt_ = clock_.ticks.substep(ticks, n);
-  const double start = window_start_ = wall_clock(), update_before = times[Stage::kCrackUpdate];
-  const double cracks_before = simulation_.crack_length();
-  make_cuts(window);
-  const bool released = simulation_.release_supports(clock_.time(), 0.5 * window, last);
-  if (released || simulation_.crack_length() > cracks_before) {
-    pieces_.look();
-    if (recorder_.has_frame_of_now()) recorder_.write_frame();
-  }
-  coupler_.open_window(window);
-  const std::int64_t substeps_begin = Trace::now_ns();
-  const auto look = [this] {
-    check_peer_and_progress();
-    if (*interrupted_ && wall_clock() - window_start_ > kPatience)
-      throw Error(Exit::kInterrupted, "interrupted", "interrupted within a window, which would have taken long");
-  };
-  if (setup_.coupling.scheme == CouplingRules::Scheme::kIterated)
-    coupler_.iterate_window(n, dt, last, look);
-  else
-    simulation_.take_substeps(n, dt, last, clock_, look);
-  recorder_.traced("substeps", substeps_begin);
-  for (const Proxy& p : state.bodies)
-    if (!p.body.motion.position.allFinite() || !p.body.motion.velocity.allFinite())
-      unstable(std::nan(""), clock_.windows);
-  coupler_.check_ledger(window, dt);
-  for (std::size_t i = 0; i < setup_.bodies.size(); ++i)
-    if (state.bodies[i].impulse_sum > 0.0 && !state.bodies[i].body.is_static) last_push_ = clock_.time() + window;
-  const std::int64_t pieces_begin = Trace::now_ns();
-  const std::vector<RigidBody> births = pieces_.hand_off_pieces(false, dt);
-  recorder_.traced("pieces", pieces_begin);
-  coupler_.exchange(ticks, window, births);
-  double energy;
-  {
-    Stopwatch w(times[Stage::kInternalForce]);
-    energy = simulation_.total_energy(dt);
-  }
-  books_.check_stable(simulation_, energy, clock_.windows);
-  books_.close(simulation_, energy + books_.sum(simulation_).lost() + state.engine_loss);
-  {
-    Stopwatch w(times[Stage::kCrackUpdate]);
-    for (ShellPart& part : state.shells) part.measure_step(clock_.windows, simulation_.model.threads);
-  }
-  coupler_.adapt_window(books_.scale);
-  if (simulation_.crack_length() <= cracks_before) return;
-  recorder_.growth().wall += wall_clock() - start;
-  recorder_.growth().crack_update += times[Stage::kCrackUpdate] - update_before;
-}
-
-void Run::make_cuts(double window) {
-  State& state = simulation_.state;
-  Stopwatch w(simulation_.scratch.times[Stage::kCrackUpdate]);
-  for (std::size_t k = 0; k < state.shells.size(); ++k) {
-    state.shells[k].state->motion.time = clock_.time();
-    for (const EdgeCut& e : state.shells[k].cut(clock_.time(), 0.5 * window, state.random))
-      release_seams(setup_.stitches.seams, simulation_.refs(), state.stitching, static_cast<int>(k), e.edge, e.from,
-                    e.to);
-  }
-}
-
-void Run::rigid_window() {
-  State& state = simulation_.state;
-  const std::int64_t left = end_tick() - clock_.tick;
-  const int ticks =
-      static_cast<int>(std::max<std::int64_t>(1, std::min(rigid_window_ticks(setup_, state.bodies), left)));
-  const double window = clock_.ticks.time(ticks);
-  coupler_.open_window(window);
-  free_fall(state.bodies, state.bodies.size(), setup_.gravity, clock_.time(), window);
-  coupler_.exchange(ticks, window, {});
-  books_.close(simulation_, simulation_.total_energy(0.0) + books_.sum(simulation_).lost() + state.engine_loss);
-}
-
-void Run::freeze_shell(const std::string& why) {
-  State& state = simulation_.state;
-  const std::vector<RigidBody> births = pieces_.freeze(why, dt_);
-  const int ticks = coupler_.window_ticks();
-  const double window = ticks * setup_.tick;
-  coupler_.open_window(window);
-  // new bodies do not move in this window
-  free_fall(state.bodies, state.bodies.size() - births.size(), setup_.gravity, clock_.time(), window);
-  coupler_.exchange(ticks, window, births);
 }
 
 void Run::check_peer_and_progress() {

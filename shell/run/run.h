@@ -50,15 +50,24 @@ class Run {
   int exported() const { return static_cast<int>(coupler_.exported_bodies()); }
 
  private:
+  /// The length of a window and of its substeps.
+  struct WindowSteps {
+    int ticks, n;             // of the engine's time; substeps
+    double window, dt, last;  // [s]; `dt` of a substep, `last` of the one before the window
+  };
   void start();
-  void find_all_equilibria(const std::function<void()>& look);
-  void keep_last_equilibrium(double time);
   void window();
+  // run_window.cpp: the kinds of windows, and what happens in one with shells, in this order
   void shell_window();
   void rigid_window();
   void freeze_shell(const std::string& why);
+  WindowSteps plan_window();
+  void cut_and_release(const WindowSteps& steps);
+  void take_substeps(const WindowSteps& steps);
+  void note_push(double time);  // `time` [s]: the end of the window
+  std::vector<RigidBody> hand_off_pieces(double dt);
+  void close_books(double dt);
   void check_peer_and_progress();  // checks the peer and prints progress, now and then
-  void make_cuts(double window);
   void finish(const char* status);
   void fail(const Error& error);
   std::int64_t end_tick() const { return clock_.ticks.nearest(setup_.end_time); }
