@@ -10,6 +10,7 @@
 
 #include <csignal>
 
+#include "coupler/core/command_line.h"
 #include "coupler/link/channel.h"
 #include "coupler/link/session.h"
 #include "exchange.pb.h"
@@ -147,16 +148,16 @@ void serve_echoing(const std::string& endpoint, Engine& engine) {
 
 int main(int argc, char** argv) {
   std::string base = "bullet", fault = "none", endpoint;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (option == "--die-with-parent")
-      prctl(PR_SET_PDEATHSIG, SIGTERM);
-    else if (i + 1 < argc)
-      (option == "--base" ? base : option == "--fault" ? fault : endpoint) = argv[++i];
-  }
-  if (!kFaults.count(fault)) return static_cast<int>(Exit::kBadInput);
+  bool die_with_parent = false;
+  CLI::App app("An engine with one fault.", "wrong-engine");
+  app.add_option("--base", base, "The engine that it behaves as otherwise")->type_name("NAME");
+  app.add_option("--fault", fault, "What it does wrong")->check(CLI::IsMember(kFaults));
+  app.add_option("--endpoint", endpoint, "Where the client connects")->type_name("ADDRESS")->required();
+  app.add_flag("--die-with-parent", die_with_parent, "Ends when the process that started this one does");
   int status = 0;
   try {
+    if (!read_arguments(app, argc, argv)) return 0;
+    if (die_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
     WrongEngine engine(base, fault);
     fault == "echoes" ? serve_echoing(endpoint, engine) : serve(endpoint, engine);
   } catch (const Error& e) {
