@@ -87,8 +87,8 @@ bool touched(const Transit& t) {
 
 /// Motion at the end of the window: the predicted state plus the solver's changes of velocities and pose.
 BodyMotion arrival(const Transit& t, double window_s) {
-  BodyMotion master = *t.predicted;  // unchanged, to the bit, where the solver changed nothing
-  if (!touched(t)) return master;
+  BodyMotion arrived = *t.predicted;  // unchanged, to the bit, where the solver changed nothing
+  if (!touched(t)) return arrived;
   const btRigidBody& rigid = *t.held->rigid;
   const Vec3 dv = plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
   const Vec3 dw = plain(rigid.getAngularVelocity() - t.angular);
@@ -96,7 +96,7 @@ BodyMotion arrival(const Transit& t, double window_s) {
   const Vec3 push = plain(pushed.getOrigin() - t.pose.getOrigin()) / kLengthScale;
   btQuaternion push_turn;
   (pushed.getBasis() * t.pose.getBasis().transpose()).getRotation(push_turn);
-  master.position += window_s * dv + push;
+  arrived.position += window_s * dv + push;
   // Turn the predicted pose by the difference between two free flights from the start, with and without the change of
   // angular velocity. exp(H (w + dw)) would keep w constant, and a thin shard that an impact sets spinning would gain
   // energy of order (|w| H)^2. The difference is bounded at any angular velocity.
@@ -109,10 +109,10 @@ BodyMotion arrival(const Transit& t, double window_s) {
     with = free_flight(t.held->body, momentum + t.held->body.apply_inertia(dw), window_s);
   }
   const Quat turned = with * without.conjugate() * t.predicted->orientation;
-  master.orientation = (Quat(push_turn.w(), push_turn.x(), push_turn.y(), push_turn.z()) * turned).normalized();
-  master.velocity += dv;
-  master.angular_momentum += t.held->body.apply_inertia(dw);  // with the inertia at the start, as in the solver
-  return master;
+  arrived.orientation = (Quat(push_turn.w(), push_turn.x(), push_turn.y(), push_turn.z()) * turned).normalized();
+  arrived.velocity += dv;
+  arrived.angular_momentum += t.held->body.apply_inertia(dw);  // with the inertia at the start, as in the solver
+  return arrived;
 }
 
 std::unique_ptr<btRigidBody> make_rigid(const Held& held) {

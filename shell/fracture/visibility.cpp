@@ -90,19 +90,19 @@ void Visibility::each_hidden(const ControlGrid& grid, const Columns& x, const Cr
   // n . w >= 0 of the rays to both ends, >= area of the edge: an end in a row is `at` + `slope` times its y
   const Vec2 normals[3] = {{-a.y(), a.x()}, {b.y(), -b.x()}, {along.y(), -along.x()}};
   const double tiny = kRoundOff * grid.spacing_u * grid.spacing_v;
-  double at[3], slope[3], doubt = 0.0;
+  double at[3], slope[3], uncertainty = 0.0;
   for (int k = 0; k < 3; ++k) {
     const double over = 1.0 / normals[k].x();
     at[k] = k == 2 ? area * over : 0.0, slope[k] = -normals[k].y() * over;
-    doubt = std::max(doubt, tiny * std::abs(over));
+    uncertainty = std::max(uncertainty, tiny * std::abs(over));
   }
-  const bool unsure = !(area > tiny && doubt < kLargestUncertainty * grid.spacing_u);
+  const bool unsure = !(area > tiny && uncertainty < kLargestUncertainty * grid.spacing_u);
   constexpr double kFar = std::numeric_limits<double>::infinity();
   for (int j = 0; j < kAcross; ++j) {
     if (rows_[j] == 0) continue;
     const double row = (*grid.parameter)[(row_ + j) * grid.columns].y(), y = row - p_.y();
     if (std::max(0.0, y) < low.y() || std::min(0.0, y) > high.y()) continue;
-    unsigned hidden = 0, doubtful = rows_[j];
+    unsigned hidden = 0, uncertain = rows_[j];
     if (!unsure) {
       double left = -kFar, right = kFar;
       for (int k = 0; k < 3; ++k) {
@@ -110,13 +110,13 @@ void Visibility::each_hidden(const ControlGrid& grid, const Columns& x, const Cr
         left = normals[k].x() > 0.0 ? std::max(left, end) : left;
         right = normals[k].x() > 0.0 ? right : std::min(right, end);
       }
-      if (left - doubt > right + doubt) continue;
-      hidden = columns_between(x.at, left + doubt, right - doubt);
-      doubtful &= columns_between(x.at, left - doubt, right + doubt) & ~hidden;
+      if (left - uncertainty > right + uncertainty) continue;
+      hidden = columns_between(x.at, left + uncertainty, right - uncertainty);
+      uncertain &= columns_between(x.at, left - uncertainty, right + uncertainty) & ~hidden;
     }
-    for (; doubtful; doubtful &= doubtful - 1) {
-      const Vec2 q((*grid.parameter)[column_ + std::countr_zero(doubtful)].x(), row);
-      if (segments_meet(p_, q, e.long_a, e.long_b)) hidden |= doubtful & -doubtful;
+    for (; uncertain; uncertain &= uncertain - 1) {
+      const Vec2 q((*grid.parameter)[column_ + std::countr_zero(uncertain)].x(), row);
+      if (segments_meet(p_, q, e.long_a, e.long_b)) hidden |= uncertain & -uncertain;
     }
     if (!callback(j, hidden)) return;
   }

@@ -48,7 +48,7 @@ ElementFit element_fit(const ShellModel& m, double element) {
             "face out"
           : "a side shrinks to a pole: take longer elements, whose square counts there, or replace the tip by a "
             "face without a pole in the CAD program";
-  fit.doubt = fmt::format(
+  fit.warning = fmt::format(
       "an element is {:.2g} m long where {:.3g} m are wanted, and takes {:.2g} times as many "
       "substeps; {}",
       m.shortest_element, element, fit.slower, remedy);

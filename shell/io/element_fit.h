@@ -10,7 +10,7 @@ struct ElementFit {
   double step = 0.0;    // stable step of the shell alone [s]
   double slower = 1.0;  // times as many substeps as even elements of the length that is wanted need [-]
   bool unfit = false;   // a run would not end
-  std::string doubt;    // what is wrong and the remedy; empty: nothing
+  std::string warning;  // what is wrong and the remedy; empty: nothing
 };
 
 /// Compares the stable step of a shell with that of even elements `element` [m] long. A pole or a sliver makes it

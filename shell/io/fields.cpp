@@ -105,7 +105,7 @@ void FieldSampler::compute(int block, int lane, Known& known) const {
   const CrackedPoints& cracked = state_.cracked;
   const int index = cracked.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
   const GatheredPoint own = index < 0 ? uncut(t) : cracked.gathered[index];
-  if (own.functions.empty() || own.left || state_.motion.detached[own.functions[0].slot]) return;
+  if (own.functions.empty() || own.handed_off || state_.motion.detached[own.functions[0].slot]) return;
   const Yielding yielding{model_.material.yield_stress, model_.material.hardening_modulus,
                           model_.material.youngs_modulus, model_.material.poisson_ratio};
   SectionMemory memory;

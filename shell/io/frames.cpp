@@ -177,7 +177,7 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<B
     }
   std::map<int, int> shared;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
-    if (pieces[t.piece[i]].gone || pieces[t.piece[i]].control_points.empty()) continue;
+    if (pieces[t.piece[i]].handed_off || pieces[t.piece[i]].control_points.empty()) continue;
     const auto& c = t.triangles[i];
     const Vec2 centre = (t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0;
     std::vector<int> polygon;

@@ -95,7 +95,7 @@ Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& fil
     out["shortest_element_m"] = shortest;
     out["stable_step_s"] = worst.step;
     out["unfit"] = worst.unfit;
-    out["doubt"] = worst.doubt.empty() ? Json() : Json(worst.doubt);
+    out["warning"] = worst.warning.empty() ? Json() : Json(worst.warning);
     out["shells"] = Json::array();  // in a scene of all faces that can be taken
     out["refused"] = nullptr;
   } catch (const Error& e) {

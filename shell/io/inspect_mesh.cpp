@@ -66,7 +66,7 @@ MeshJson chart_of(const ShellModel& m, const MeshPatch& p, double element) {
       {"trimmed", static_cast<std::ptrdiff_t>(p.loops.size()) > holes},
       {"holes", holes},
       {"stable_step_s", fit.step},
-      {"doubt", fit.doubt.empty() ? MeshJson() : MeshJson(fit.doubt)}};
+      {"warning", fit.warning.empty() ? MeshJson() : MeshJson(fit.warning)}};
 }
 
 }  // namespace

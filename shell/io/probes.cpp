@@ -46,7 +46,7 @@ std::pair<double, double> surface_area(const ShellModel& m, const ShellState& s)
       const GaussPoint g = gauss_point(m.patch, t, q, e);
       if (g.weight == 0.0) continue;
       const int point = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + e];
-      if (point >= 0 && (s.cracked.gathered[point].kind == PointKind::kDead || s.cracked.gathered[point].left))
+      if (point >= 0 && (s.cracked.gathered[point].kind == PointKind::kDead || s.cracked.gathered[point].handed_off))
         continue;
       if (point < 0) shell_functions(m, q, e, uncut.functions);
       const GatheredPoint& p = point < 0 ? uncut : s.cracked.gathered[point];

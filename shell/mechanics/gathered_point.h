@@ -31,7 +31,7 @@ struct GatheredPoint {
   // Kernels keep packed copies of the functions as long as the stamp is the same. Other functions take another point,
   // or another stamp. A dead point has none.
   std::uint64_t stamp = fresh_stamp();
-  bool left = false;  // handed off with a piece
+  bool handed_off = false;  // with its piece
   // The row kernel sums the point: it is damaged, but no crack has touched it.
   bool in_rows = false;
 };

@@ -63,8 +63,8 @@ void Coupler::restore(const std::string& caches) {
   std::vector<RigidBody> bodies;
   for (const Proxy& p : state_.bodies) {
     bodies.push_back(p.body);
-    const auto left = left_.find(p.body.id);
-    if (left != left_.end()) bodies.back().motion = left->second;
+    const auto own = engine_motions_.find(p.body.id);
+    if (own != engine_motions_.end()) bodies.back().motion = own->second;
   }
   const bool again = setup_.coupling.scheme == Scheme::kIterated;
   rigid_->load({held_by_engine(bodies), setup_.laws, setup_.joints, clock_.tick, again, setup_.thickness()});
@@ -278,7 +278,7 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
       const bool exported = p.recovery > 0.0 && !state_.rows.empty();
       if (exported || !dv.isZero(0.0) || !dw.isZero(0.0)) held_until_[p.body.id] = clock_.windows + kHeldWindows;
     }
-    if (p.is_driven()) kept.push_back(p.body.motion), left_[p.body.id] = now;
+    if (p.is_driven()) kept.push_back(p.body.motion), engine_motions_[p.body.id] = now;
     p.body.motion = now;
     ++k;
   }

@@ -85,7 +85,7 @@ class Coupler {
     archive_all(a, c.window_ticks_, c.shortest_window_, c.held_until_, c.exported_until_, c.ever_exported_, c.released_,
                 c.released_at_, c.exported_windows_, c.passes_, c.most_passes_, c.stiffest_, c.window_residual_,
                 c.residual_sum_, c.residual_max_, c.ledger_linear_, c.ledger_angular_, c.birth_errors_, c.heavy_pair_,
-                c.blocked_, c.left_);
+                c.blocked_, c.engine_motions_);
   }
 
  private:
@@ -128,7 +128,7 @@ class Coupler {
   BirthErrors birth_errors_;
   HeavyPair heavy_pair_;
   std::pair<BodyId, double> blocked_{0, 0.0};
-  std::map<BodyId, BodyMotion> left_;  // of bodies with a prescribed motion: where the engine has left them
+  std::map<BodyId, BodyMotion> engine_motions_;  // the engine's last ones, of bodies with a prescribed motion
 };
 
 }  // namespace sunder::shell

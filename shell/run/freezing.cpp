@@ -114,7 +114,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
       std::vector<std::pair<std::size_t, int>> points;
       for (const Piece& p : now[k].pieces)
         for (const int i : p.control_points)
-          if (p.held && !p.gone) points.emplace_back(k, i);
+          if (p.held && !p.handed_off) points.emplace_back(k, i);
       frames_.draw_as(remains.id, ids_.take(points), frozen.drawn);
       state_.bodies.emplace_back(remains);
     }

@@ -55,7 +55,7 @@ class Drawing {
       motion.v[k] = amplitude * omega * std::cos(phase) * found.mode.shape[k];
     }
     const Trimming& trim = state_.shells[found.shell].model().trim;
-    follow(trim, motion.x), follow(trim, motion.v);
+    update_dropped_points(trim, motion.x), update_dropped_points(trim, motion.v);
     frames.write(time, views_, ids_, state_.soft, {}, 0);
     motion.x = x, motion.v = v;
   }

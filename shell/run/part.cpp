@@ -26,7 +26,7 @@ void ShellPart::mark_rubble(PartPieces& now) const {
       if (orientation(t.vertices[c[0]], t.vertices[c[1]], r) >= 0 &&
           orientation(t.vertices[c[1]], t.vertices[c[2]], r) >= 0 &&
           orientation(t.vertices[c[2]], t.vertices[c[0]], r) >= 0)
-        piece.gone = true;
+        piece.handed_off = true;
   }
 }
 

@@ -39,7 +39,7 @@ PartPieces whole_of(const ShellPart& part) {
   p.pieces.resize(1);
   p.pieces[0].area = domain_of(m).volume();
   p.pieces[0].held = !m.constraints.anchors.empty();
-  p.pieces[0].gone = part.state->motion.detached[m.tables.slot(0)] != 0;
+  p.pieces[0].handed_off = part.state->motion.detached[m.tables.slot(0)] != 0;
   return p;
 }
 
@@ -193,7 +193,7 @@ void Pieces::give_ids(const std::vector<PartPieces>& now) {
   for (std::size_t k = 0; k < now.size(); ++k)
     for (int i = 0; i < state_.shells[k].model().control_points(); ++i) {
       const int own = now[k].owner(i);
-      piece[k].push_back(own < 0 || now[k].pieces[own].gone ? -1 : together.root(first[k] + own));
+      piece[k].push_back(own < 0 || now[k].pieces[own].handed_off ? -1 : together.root(first[k] + own));
     }
   ids_.look(piece);
 }
@@ -239,7 +239,7 @@ std::map<int, Pieces::Group> Pieces::groups_of(const std::vector<PartPieces>& no
 bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool all) {
   const auto [front, number] = g.members.front();
   const Piece& p = now[front].pieces[number];
-  if (p.held || p.gone || p.interlocked) return false;
+  if (p.held || p.handed_off || p.interlocked) return false;
   if (g.sliver) return false;  // two slivers between cracks and a trim: without mass, and as a body without inertia
   if (all) return true;
   if (!g.torn) return false;  // nothing has separated: a free shell stays a shell
@@ -286,7 +286,7 @@ std::vector<RigidBody> Pieces::hand_off_pieces(bool all, double dt) {
   give_ids(now);
   counts_.fragments = counts_.handed_off;
   for (const auto& [root, g] : groups)  // a sliver is no piece of its own
-    counts_.fragments += !g.sliver && !now[g.members[0].first].pieces[g.members[0].second].gone;
+    counts_.fragments += !g.sliver && !now[g.members[0].first].pieces[g.members[0].second].handed_off;
   if (!leaving.empty()) {
     const double before = simulation_.total_energy(dt);
     Totals totals_now = shell_totals();
@@ -335,7 +335,7 @@ RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& grou
     mass += m.material.density * m.thickness * parts.back().area;
     for (const int slot : parts.back().donors)
       state_.shells[k].changed.push_back(m.parameter[m.tables.control_point(slot)]);
-    p.gone = true;
+    p.handed_off = true;
   }
   Handoff h = parts.size() == 1 ? std::move(parts[0]) : joined(parts);
   const BodyId id = ids_.take(points);

@@ -148,7 +148,7 @@ Json joints_of(const RunParts& run) {
   Json all = Json::array();
   for (std::size_t i = 0; i < run.setup.joints.size(); ++i) {
     const double when = run.coupler.released_at()[i];
-    all.push_back({{"name", run.setup.joints[i].name}, {"let_go_s", when < 0.0 ? Json() : Json(when)}});
+    all.push_back({{"name", run.setup.joints[i].name}, {"released_s", when < 0.0 ? Json() : Json(when)}});
   }
   return all;
 }

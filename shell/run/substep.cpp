@@ -118,7 +118,7 @@ void drift_all(const Model& model, State& state, Scratch& scratch, double dt) {
   if (!state.stitching.empty()) state.stitching.update_dependent_velocities(refs(state, scratch));
   for (ShellPart& part : state.shells) {
     drift(part.model(), *part.state, dt);
-    follow(part.model().trim, part.state->motion.x);
+    update_dropped_points(part.model().trim, part.state->motion.x);
   }
   if (state.soft_left > 0 && --state.soft_left == 0) state.soft.finish(model.threads);
   for (Proxy& p : state.bodies)

@@ -125,7 +125,7 @@ struct ShellState {
   /// Counts Gauss points without any stiffness on pieces that are not handed off.
   int rubble() const {
     return static_cast<int>(std::count_if(cracked.gathered.begin(), cracked.gathered.end(),
-                                          [](const auto& g) { return g.kind == PointKind::kDead && !g.left; }));
+                                          [](const auto& g) { return g.kind == PointKind::kDead && !g.handed_off; }));
   }
   /// Returns the force discontinuity; it is zero at first.
   std::vector<double>& discontinuity() {

@@ -14,7 +14,7 @@ namespace sunder::shell {
 
 template <class A>
 void archive(A& a, GatheredPoint& p) {
-  archive_all(a, p.block, p.lane, p.kind, p.area, p.metric, p.functions, p.left, p.in_rows);
+  archive_all(a, p.block, p.lane, p.kind, p.area, p.metric, p.functions, p.handed_off, p.in_rows);
   if constexpr (A::kReading) p.stamp = fresh_stamp();
 }
 

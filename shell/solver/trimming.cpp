@@ -386,7 +386,7 @@ void shell_functions(const ShellModel& m, int block, int lane, std::vector<Gathe
     patch_functions(m.patch, gauss_point(m.patch, m.tables, block, lane).parameter, m.tables.stride, out);
 }
 
-void follow(const Trimming& trim, std::vector<double>& field) {
+void update_dropped_points(const Trimming& trim, std::vector<double>& field) {
   const std::size_t stride = field.size() / 3;
   for (const DroppedPoint& d : trim.dropped) {
     if (d.on.empty()) continue;

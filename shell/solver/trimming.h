@@ -69,6 +69,6 @@ bool is_uncracked(const ShellModel& model, const ShellState& state);
 
 /// Moves dropped control points with those that stay; `field` is [3][component stride]. Readers of the patch's own
 /// functions then see the surface go on a little beyond the loops.
-void follow(const Trimming& trimming, std::vector<double>& field);
+void update_dropped_points(const Trimming& trimming, std::vector<double>& field);
 
 }  // namespace sunder::shell

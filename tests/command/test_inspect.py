@@ -64,10 +64,10 @@ TOLD: dict[str, Any] = {
     "faces": [
         {"face": 0, "kind": "plane", "degree": 2, "width_m": [0.03, 0.02], "area_m2": 5.2e-4, "approximated_m": 2e-8, "parts": 3, "parts_trimmed": 0,
          "holes": 1, "elements": [30, 20], "area_of_shells_m2": 5.2e-4, "shortest_element_m": 0.001, "refused": None,
-         "stable_step_s": 1.9e-7, "unfit": False, "doubt": None, "shells": ["part.1", "part.2", "part.3"]},
+         "stable_step_s": 1.9e-7, "unfit": False, "warning": None, "shells": ["part.1", "part.2", "part.3"]},
         {"face": 1, "kind": "plane", "degree": 2, "width_m": [0.02, 0.004], "area_m2": 8e-5, "approximated_m": 0.0, "parts": 1, "parts_trimmed": 1,
          "holes": 0, "elements": [20, 4], "area_of_shells_m2": 8e-5, "shortest_element_m": 2e-5, "refused": None,
-         "stable_step_s": 2e-9, "unfit": False, "doubt": "an element is 2e-05 m long", "shells": ["part.4"]},
+         "stable_step_s": 2e-9, "unfit": False, "warning": "an element is 2e-05 m long", "shells": ["part.4"]},
         {"face": 2, "kind": "cylinder", "refused": "face 2 closes on itself along u; split it in the CAD program"}],
     "edges": {"shared": 5, "free": 1, "of_three_faces_or_more": 0, "widest_tolerance_m": 1e-10},
     "seams": {"joined": 1, "smooth": 0, "along_trims": 1}, "seams_refused": None}

@@ -66,7 +66,7 @@ class WrongEngine final : public Engine {
     predicted_.clear();
     for (const Motion& m : predicted) predicted_[m.id] = m.motion;
     // A correct engine leaves a solved body in its predicted state.
-    left_ = fault_ == "meddling" ? std::set<BodyId>{} : std::set<BodyId>(solved.begin(), solved.end());
+    solved_ = fault_ == "meddling" ? std::set<BodyId>{} : std::set<BodyId>(solved.begin(), solved.end());
     ++advanced_;
   }
 
@@ -77,7 +77,7 @@ class WrongEngine final : public Engine {
       const auto given = predicted_.find(s.id);
       if (given == predicted_.end()) continue;
       BodyMotion& m = s.motion;
-      if (left_.count(s.id)) m = given->second;
+      if (solved_.count(s.id)) m = given->second;
       const Vec3 change = m.velocity - given->second.velocity;
       if (fault_ == "leaks" && change.norm() > 0.0) m.velocity *= 1.0 - 1e-6;
       if (fault_ == "twists" && change.norm() > 0.0) m.angular_momentum *= 1.0 + 1e-6;
@@ -123,7 +123,7 @@ class WrongEngine final : public Engine {
   std::map<BodyId, RigidBody> bodies_;
   std::vector<ContactLaw> laws_;
   std::map<BodyId, BodyMotion> predicted_;
-  std::set<BodyId> left_;
+  std::set<BodyId> solved_;
   std::vector<State> before_;
   long advanced_ = 0;
 };

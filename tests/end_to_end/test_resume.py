@@ -48,7 +48,7 @@ shells {
   loads { edge_force { edge: U_MAX force_per_length { x: 40 } } }
 }
 """
-# Two sheets on a seam that opens at a force. One of their supports lets go first, and a ball is between both events.
+# Two sheets on a seam that opens at a force. One of their supports is released first, and a ball is between both events.
 SEAMS = """name: "seams"
 end_time_s: 2e-3
 window_s: 1e-5
@@ -292,7 +292,7 @@ class Resume(unittest.TestCase):
                 self.assertEqual(windows[0], windows[1])
                 self.assertEqual(state(part), state(whole))
 
-    def test_supports_and_seams_that_have_let_go_stay_so(self) -> None:
+    def test_released_supports_and_seams_stay_released(self) -> None:
         scene = self.here / "seams.textproto"
         scene.write_text(SEAMS)
         whole = self.run_to("whole", "2e-3", scene=str(scene))
@@ -308,7 +308,7 @@ class Resume(unittest.TestCase):
                 for name in ("series.csv", "probes.csv"):
                     self.assertEqual((part / name).read_text(), (whole / name).read_text())
 
-    def test_joints_that_have_let_go_stay_so(self) -> None:
+    def test_released_joints_stay_released(self) -> None:
         scene = self.here / "joints.textproto"
         scene.write_text(JOINTS)
         for engine in ("bullet", "inprocess:ode"):
@@ -316,13 +316,13 @@ class Resume(unittest.TestCase):
                 whole = self.run_to(f"whole_{engine}", "0.1", "--rigid", engine, scene=str(scene))
                 part = self.run_to(f"part_{engine}", "0.05", "--rigid", engine, scene=str(scene))
                 joints = json.loads((part / "run.json").read_text())["joints"]
-                self.assertEqual([(j["name"], j["let_go_s"] is None) for j in joints], [("early", False), ("late", True)])
+                self.assertEqual([(j["name"], j["released_s"] is None) for j in joints], [("early", False), ("late", True)])
                 done = sunder("run", "--resume", str(part), "--until", "0.1", "--quiet")
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertEqual(state(part), state(whole))
                 joints = json.loads((part / "run.json").read_text())["joints"]
-                self.assertAlmostEqual(joints[0]["let_go_s"], 0.02, places=12)
-                self.assertAlmostEqual(joints[1]["let_go_s"], 0.07, places=12)
+                self.assertAlmostEqual(joints[0]["released_s"], 0.02, places=12)
+                self.assertAlmostEqual(joints[1]["released_s"], 0.07, places=12)
 
     def test_refuses_what_is_no_checkpoint_of_this_run(self) -> None:
         part = self.run_to("part", "0.0008")

@@ -56,7 +56,7 @@ TEST(CutCylinder, FliesAndLeavesWithItsMomentumAndSpin) {
   Totals bodies;
   for (int left = 4; left > 0; --left) {
     const Triangulation t = partition(m, s, pieces);
-    const auto piece = std::find_if(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.gone; });
+    const auto piece = std::find_if(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.handed_off; });
     ASSERT_NE(piece, pieces.end());
     const RigidBody b = hand_off(m, s, t, *piece, left, dt).body;
     bodies.mass += b.mass, bodies.momentum += b.mass * b.motion.velocity;

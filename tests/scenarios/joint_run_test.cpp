@@ -34,7 +34,7 @@ struct Moment {
 struct Ended {
   std::string failure;
   std::vector<Moment> moments;
-  double let_go = -1.0;  // [s]; negative: the joint holds
+  double released = -1.0;  // [s]; negative: the joint holds
 };
 
 Ended run(const std::string& text, const std::string& engine) {
@@ -46,11 +46,11 @@ Ended run(const std::string& text, const std::string& engine) {
         e.moments.push_back({time, bodies[0]->motion});
       },
       &end);
-  const std::string key = "\"let_go_s\": ";
+  const std::string key = "\"released_s\": ";
   const auto at = end.summary.find(key);
   EXPECT_NE(at, std::string::npos) << end.summary;
   if (at != std::string::npos && end.summary.compare(at + key.size(), 4, "null") != 0)
-    e.let_go = std::stod(end.summary.substr(at + key.size()));
+    e.released = std::stod(end.summary.substr(at + key.size()));
   return e;
 }
 
@@ -58,10 +58,10 @@ double turned(const BodyMotion& m) { return 2.0 * std::atan2(m.orientation.vec()
 
 // From just after the release to the end the rod follows a parabola and keeps its spin.
 void expect_free_flight(const Ended& e, const Vec3& gravity) {
-  ASSERT_GT(e.let_go, 0.0);
+  ASSERT_GT(e.released, 0.0);
   const Moment *first = nullptr, &last = e.moments.back();
   for (const Moment& m : e.moments)
-    if (!first && m.time > e.let_go - 0.5 * kWindow) first = &m;
+    if (!first && m.time > e.released - 0.5 * kWindow) first = &m;
   ASSERT_TRUE(first);
   const double t = last.time - first->time;
   ASSERT_GT(t, 0.05);
@@ -87,11 +87,11 @@ TEST_P(Breaking, AHingeLetsGoInTheFirstWindowPastItsAngle) {
   const Ended e =
       run(scene_text(GetParam().scheme, "kind: HINGE axis { y: 1 } breaks { angle_deg: 40 }"), GetParam().engine);
   ASSERT_EQ(e.failure, "");
-  ASSERT_GT(e.let_go, 0.0);
+  ASSERT_GT(e.released, 0.0);
   for (const Moment& m : e.moments) {
-    if (m.time < e.let_go - 0.5 * kWindow) {
+    if (m.time < e.released - 0.5 * kWindow) {
       EXPECT_LT(turned(m.motion), angle);
-    } else if (m.time < e.let_go + 0.5 * kWindow) {
+    } else if (m.time < e.released + 0.5 * kWindow) {
       EXPECT_GE(turned(m.motion), angle);
       // The rod swings from rest about its end: I w^2 / 2 = m g h. The scheme is of first order in a window.
       const double inertia = 0.3 * 0.3 / 3.0 + 0.02 * 0.02 / 12.0;  // per mass
@@ -108,19 +108,19 @@ TEST_P(Breaking, ASliderLetsGoPastItsExtensionAndABallAtItsTime) {
                      "x: 5 z: -9.81"),
           GetParam().engine);
   ASSERT_EQ(slid.failure, "");
-  EXPECT_NEAR(slid.let_go, std::ceil(std::sqrt(2.0 * 0.05 / 5.0) / kWindow) * kWindow, 1.5 * kWindow);
+  EXPECT_NEAR(slid.released, std::ceil(std::sqrt(2.0 * 0.05 / 5.0) / kWindow) * kWindow, 1.5 * kWindow);
   expect_free_flight(slid, {5, 0, -kGravity});
   const Ended timed =
       run(scene_text(GetParam().scheme, "kind: BALL breaks { time_s: 0.0105 angle_deg: 90 }"), GetParam().engine);
   ASSERT_EQ(timed.failure, "");
-  EXPECT_NEAR(timed.let_go, 0.011, 1e-12);
+  EXPECT_NEAR(timed.released, 0.011, 1e-12);
   expect_free_flight(timed, {0, 0, -kGravity});
 }
 
 TEST(Holding, AHingeHoldsBelowItsAngle) {
   const Ended e = run(scene_text("PROXY", "kind: HINGE axis { y: 1 } breaks { angle_deg: 179 }"), "bullet");
   ASSERT_EQ(e.failure, "");
-  EXPECT_LT(e.let_go, 0.0);
+  EXPECT_LT(e.released, 0.0);
   EXPECT_NEAR(e.moments.back().motion.position.norm(), 0.15, 1e-4);
 }
 

@@ -62,7 +62,7 @@ TEST(NestedPieces, LeaveOneByOneWithTheirMassInertiaAndSpin) {
     const auto piece = std::find_if(pieces.begin(), pieces.end(),
                                     [&](const Piece& p) { return std::abs(p.area - area) < 1e-6 * area; });
     ASSERT_NE(piece, pieces.end()) << area;
-    ASSERT_FALSE(piece->gone);
+    ASSERT_FALSE(piece->handed_off);
     const Handoff h = hand_off(m, s, t, *piece, 7, 0.0);
     EXPECT_NEAR(h.body.mass, per_area * area, 1e-12 * per_area * area);
     EXPECT_NEAR(h.area, area, 1e-6 * area);
@@ -78,5 +78,5 @@ TEST(NestedPieces, LeaveOneByOneWithTheirMassInertiaAndSpin) {
     EXPECT_NEAR(volume_of_prisms(std::get<ConvexShape>(h.body.shape)), kThickness * area, 0.02 * kThickness * area);
   }
   partition(m, s, pieces);
-  for (const Piece& p : pieces) EXPECT_TRUE(p.gone);
+  for (const Piece& p : pieces) EXPECT_TRUE(p.handed_off);
 }

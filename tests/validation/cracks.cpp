@@ -55,10 +55,10 @@ void move(const ShellModel& m, ShellState& s, const std::vector<int>& points, co
   }
 }
 
-// Checks every crack edge against every line of sight, without bins. Returns the sum of four counts: functions that
-// look through a crack; visible control points within the support that have no function; points that should have been
-// gathered; gathered points whose functions are not those of the present cracks.
-int sight_errors(const ShellModel& m, const ShellState& s) {
+// Checks every crack edge against every line between a point and a control point, without bins. Returns the sum of four
+// counts: functions that look through a crack; visible control points within the support that have no function; points
+// that should have been gathered; gathered points whose functions are not those of the present cracks.
+int visibility_errors(const ShellModel& m, const ShellState& s) {
   const RowTables& t = m.tables;
   const auto sees = [&](const Vec2& p, int control_point) {
     for (const CrackEdge& e : s.cracks.graph.edges())
@@ -108,7 +108,7 @@ struct Worst {
 
 // After an insertion: visibility, and the stable step near the cut against that of the whole shell.
 void look(const ShellModel& m, ShellState& s, double intact, const std::vector<Vec2>& around, Worst& w) {
-  w.visibility += sight_errors(m, s);
+  w.visibility += visibility_errors(m, s);
   const double whole = stable_step(m, s, 200, 1, true);
   w.step = std::min(w.step, whole / intact);
   // A run keeps the least stable step so far, which starts with that of the intact shell.
@@ -143,7 +143,7 @@ std::vector<Vec2> spiral(const Vec2& centre, double turns, double inner, double 
 void report(Report& r, const std::string& name, const Worst& w, double seconds) {
   r.add(name + "_stable_step", w.step, 1.0, 0.2, seconds);
   r.add(name + "_local_stable_step", w.local, 0.0, 0.1, 0.0);  // what a run measures after an insertion
-  r.add(name + "_sight_errors", w.visibility, 0.0, 0.0, 0.0);
+  r.add(name + "_visibility_errors", w.visibility, 0.0, 0.0, 0.0);
   r.add(name + "_rest_strain", w.rest, 0.0, 1e-12, 0.0);
   r.add(name + "_rigid_motion_strain", w.moved, 0.0, 1e-12, 0.0);
   r.add(name + "_parted_strain", w.parted, 0.0, 5e-14, 0.0);  // round-off of one piece is 1e-14

@@ -56,7 +56,7 @@ struct Stack : Pile {
     return out;
   }
   void go(double time) { run(static_cast<int>(std::lround(time / dt)), dt); }
-  void let_go() {
+  void remove_damping() {
     for (ShellSetup& s : setup().shells) s.model.material.mass_damping = 0.0;
   }
   Vec3 mean(std::size_t k, bool speed) const {
@@ -139,7 +139,7 @@ void friction(Report& report) {
       s.go(0.03);
       s.setup().gravity.x() = share * holds;
       s.go(0.015);  // until what the jump has set in motion has passed
-      s.let_go();
+      s.remove_damping();
       const Vec3 before = s.mean(1, true);
       s.go(kTime);
       const double found = (s.mean(1, true).x() - before.x()) / std::round(kTime / s.dt) / s.dt;
@@ -156,7 +156,7 @@ void parting(Report& report) {
     const double start = seconds_now();
     Stack s(1, 1e3, 0.5, elements, 2 * kElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
     s.go(0.03);
-    s.let_go();
+    s.remove_damping();
     s.setup().shells[1].model.loads = {}, s.state(1).motion.external.clear();
     s.setup().gravity = Vec3(0, 0, 50.0);
     double most = 0.0, free = 0.0;  // what pulls it down, of what draws it up, and where nothing acts any more

@@ -91,8 +91,8 @@ def report(told: dict[str, Any]) -> str:
         lines.append(f"{head}{size:>21} {face['area_m2']:>11.4g} {elements:>11} {face['stable_step_s']:>9.2g}  "
                      f"{_names(face['shells']):18} {_trims(face)}")
     for face in faces:
-        if face["refused"] is None and face["doubt"] is not None:
-            lines.append(f"face {face['face']} {'is unfit' if face['unfit'] else 'is slow'}: {face['doubt']}")
+        if face["refused"] is None and face["warning"] is not None:
+            lines.append(f"face {face['face']} {'is unfit' if face['unfit'] else 'is slow'}: {face['warning']}")
     edges = told["edges"]
     lines.append(f"edges: {edges['shared']} shared, {edges['free']} free, {edges['of_three_faces_or_more']} of three "
                  f"faces or more; the widest tolerance is {edges['widest_tolerance_m']:.2g} m")
@@ -130,7 +130,7 @@ def mesh_report(told: dict[str, Any]) -> str:
         lines.append(f"{chart['shell']:12} {chart['triangles']:>9} {size:>21} {chart['area_m2']:>11.4g} {elements:>11} "
                      f"{chart['stretch']:>8.3f} {chart['error_m']:>10.2g} {chart['stable_step_s']:>9.2g}  "
                      f"{', '.join(trims) or '-'}")
-    lines += [f"{chart['shell']} is slow: {chart['doubt']}" for chart in told["charts"] if chart["doubt"] is not None]
+    lines += [f"{chart['shell']} is slow: {chart['warning']}" for chart in told["charts"] if chart["warning"] is not None]
     if told["seams"]["joined"]:
         lines.append(f"seams: {told['seams']['joined']} joined, {told['seams']['smooth']} of them smooth")
     return "\n".join(lines) + "\n"

@@ -296,12 +296,12 @@ void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, 
     if (s.yields()) settle(t, *r.point, s.motion.x, layers);
     r.gained = force_of(*r.point, -1.0, damaged ? &r.damage : nullptr);
   }
-  std::vector<double>& jump = s.discontinuity();
+  std::vector<double>& discontinuity = s.discontinuity();
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
   for (int k = 0; k < 3; ++k)
     for (Renewal& r : changed) {  // sums in one order
-      if (r.lost) spread(t, index_of(r) < 0 ? r.made : s.cracked.gathered[index_of(r)], *r.lost, k, jump);
-      if (r.gained) spread(t, *r.point, *r.gained, k, jump);
+      if (r.lost) spread(t, index_of(r) < 0 ? r.made : s.cracked.gathered[index_of(r)], *r.lost, k, discontinuity);
+      if (r.gained) spread(t, *r.point, *r.gained, k, discontinuity);
     }
   for (Renewal& r : changed) {
     int& index = index_of(r);

@@ -31,9 +31,9 @@ std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s
     const double *stress = &s.layers.face_stress[t.at(q, 6, 0, 0)], *strength = &s.layers.strength[t.at(q, 1, 0, 0)];
     for (int first = 0; first < t.spans_u; first += kLanes) {
       const auto field = [&](int k) { return load<Pack>(stress + k * t.lanes + first); };
-      const Pack resists = load<Pack>(strength + first), doubtful = kSurelyBelow * resists;
-      if (!any((most_tension(field(0), field(1), field(2)) > doubtful) |
-               (most_tension(field(3), field(4), field(5)) > doubtful)))
+      const Pack resists = load<Pack>(strength + first), uncertain = kSurelyBelow * resists;
+      if (!any((most_tension(field(0), field(1), field(2)) > uncertain) |
+               (most_tension(field(3), field(4), field(5)) > uncertain)))
         continue;
       const auto largest = [&](int face) {
         const Pack s11 = field(3 * face), s22 = field(3 * face + 1), s12 = field(3 * face + 2);

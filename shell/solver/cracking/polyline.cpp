@@ -61,7 +61,7 @@ bool has_left(const ShellModel& m, const ShellState& s, const Vec2& p) {
   const int first = each * m.patch.knots_v.span_of(p.y());
   for (int block = first; block < first + each; ++block) {
     const int point = s.cracked.point_of[static_cast<std::size_t>(block) * m.tables.lanes + lane];
-    if (point >= 0 ? !s.cracked.gathered[point].left
+    if (point >= 0 ? !s.cracked.gathered[point].handed_off
                    : s.cracked.tables.metric[m.tables.at(block, kMetricFields, kArea, lane)] != 0.0)
       return false;
   }

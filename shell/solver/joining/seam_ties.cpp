@@ -251,7 +251,7 @@ bool SeamTies::renew(const std::vector<Seam>& seams, const std::vector<ShellRef>
     const Seam& seam = seams[k];
     if (!seam.trimmed() || !places_[k].look(seam, shells, first)) continue;
     const double element = std::max(shells[seam.first].model->spacing, shells[seam.second].model->spacing);
-    const std::vector<Hat> hats = hats_along(seam, kTieSpacing * element, places_[k].apart(), places_[k].gone());
+    const std::vector<Hat> hats = hats_along(seam, kTieSpacing * element, places_[k].apart(), places_[k].detached());
     renew_kind(seam, shells, k, false, hats, independent);
     if (seam.join == Join::kClamped) renew_kind(seam, shells, k, true, hats, independent);
     any = true;

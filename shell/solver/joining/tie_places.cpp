@@ -70,11 +70,11 @@ bool PlaceFunctions::same_as(const PlaceFunctions& other) const {
 }
 
 std::vector<Hat> hats_along(const Seam& seam, double element, const std::vector<char>& apart,
-                            const std::vector<char>& gone) {
+                            const std::vector<char>& detached) {
   const int places = static_cast<int>(seam.places.size());
   const int spans = std::max(seam.closed ? kFewestClosed : 1, static_cast<int>(seam.length / element));
   const int count = seam.closed ? spans : spans + 1;
-  const auto ends_after = [&](int i) { return apart[i] != 0 || gone[i] != 0 || gone[(i + 1) % places] != 0; };
+  const auto ends_after = [&](int i) { return apart[i] != 0 || detached[i] != 0 || detached[(i + 1) % places] != 0; };
   int start = 0;
   bool round = seam.closed;  // no end at all
   for (int i = 0; i < places && seam.closed; ++i)
@@ -83,7 +83,7 @@ std::vector<Hat> hats_along(const Seam& seam, double element, const std::vector<
   for (int k = 0; k < places; ++k) {
     const int i = (start + k) % places;
     const SeamPlace& place = seam.places[i];
-    if (gone[i] == 0) {
+    if (detached[i] == 0) {
       const double at = place.along / seam.length * spans;
       const int before = std::min(spans - 1, static_cast<int>(at)), lap = start + k >= places ? spans : 0;
       for (const int n : {before, before + 1}) {
@@ -139,7 +139,7 @@ std::vector<Hat> hats_along(const Seam& seam, double element, const std::vector<
 
 PlaceFunctions place_functions(const ShellModel& m, const ShellState& s, const Vec2& p, const Vec2& into) {
   const CrackGraph& cracks = s.cracks.graph;
-  const auto left = [&](const std::vector<GatheredFunction>& functions) {
+  const auto detached = [&](const std::vector<GatheredFunction>& functions) {
     return std::any_of(functions.begin(), functions.end(),
                        [&](const GatheredFunction& f) { return s.motion.detached[f.slot] != 0; });
   };
@@ -160,12 +160,12 @@ PlaceFunctions place_functions(const ShellModel& m, const ShellState& s, const V
       for (const MlsFunction& f : mls.functions) out.functions.push_back({m.tables.slot(f.control_point), f.n});
     continue_to(p - eye, out.functions);
   }
-  if (left(out.functions)) out.functions.clear();
+  if (detached(out.functions)) out.functions.clear();
   return out;
 }
 
 TiePlaces::TiePlaces(const Seam& seam)
-    : apart_(seam.places.size(), 0), gone_(seam.places.size(), 0), changed_(seam.places.size(), 0) {}
+    : apart_(seam.places.size(), 0), detached_(seam.places.size(), 0), changed_(seam.places.size(), 0) {}
 
 bool TiePlaces::look(const Seam& seam, const std::vector<ShellRef>& shells, const std::vector<int>& first) {
   const int places = static_cast<int>(seam.places.size());
@@ -183,9 +183,9 @@ bool TiePlaces::look(const Seam& seam, const std::vector<ShellRef>& shells, cons
     for (int i = 0; i < places; ++i) {
       const bool near = std::any_of(edges.begin() + first[shell], edges.end(),
                                     [&](const CrackEdge& e) { return near_edge(m, parameter(i), e); });
-      if (!near || gone_[i] != 0) continue;
+      if (!near || detached_[i] != 0) continue;
       PlaceFunctions now = place_functions(m, s, parameter(i), into(i));
-      if (now.functions.empty()) gone_[i] = 1, any = true;
+      if (now.functions.empty()) detached_[i] = 1, any = true;
       const std::pair<int, int> key(i, one ? 0 : 1);
       const auto known = cracked_.find(key);
       const bool differs =

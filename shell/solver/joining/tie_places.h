@@ -25,10 +25,10 @@ struct Hat {
 };
 
 /// Hat functions along a trimmed seam, about `element` [m] apart. Between place i and the next one they end where
-/// apart[i]; at a place where gone[i] they end too, and do not weigh it. A hat of which little is left is added to the
-/// one beside it; a short stretch between two such ends has none.
+/// apart[i]; at a place where detached[i] they end too, and do not weigh it. A hat of which little is left is added to
+/// the one beside it; a short stretch between two such ends has none.
 std::vector<Hat> hats_along(const Seam& seam, double element, const std::vector<char>& apart,
-                            const std::vector<char>& gone);
+                            const std::vector<char>& detached);
 
 /// The functions of a shell at a place of a seam. Empty: nothing there bears.
 struct PlaceFunctions {
@@ -53,17 +53,17 @@ class TiePlaces {
   /// Whether functions of place i have changed in the last look.
   bool changed(int i) const { return changed_[i] != 0; }
   const std::vector<char>& apart() const { return apart_; }
-  const std::vector<char>& gone() const { return gone_; }
+  const std::vector<char>& detached() const { return detached_; }
   /// The functions of place i on the first or the second side.
   PlaceFunctions at(const Seam& seam, const std::vector<const ShellModel*>& shells, int i, bool first) const;
 
   template <class A>
   friend void archive(A& a, TiePlaces& t) {
-    archive_all(a, t.apart_, t.gone_, t.cracked_);
+    archive_all(a, t.apart_, t.detached_, t.cracked_);
   }
 
  private:
-  std::vector<char> apart_, gone_, changed_;               // [place]
+  std::vector<char> apart_, detached_, changed_;           // [place]
   std::map<std::pair<int, int>, PlaceFunctions> cracked_;  // place, side: where cracks have changed them
 };
 

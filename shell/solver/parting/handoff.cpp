@@ -279,12 +279,12 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     for (int q = f * t.gauss * t.gauss; q < (f + 1) * t.gauss * t.gauss; ++q)
       for (int lane = ku.span_of(low.x()); lane <= ku.span_of(high.x()); ++lane) {
         const int i = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + lane];
-        if (i < 0 || s.cracked.gathered[i].left) continue;
+        if (i < 0 || s.cracked.gathered[i].handed_off) continue;
         GatheredPoint& g = s.cracked.gathered[i];
         const bool bears = g.kind != PointKind::kDead && !g.in_rows;
         if (!own[bears ? g.functions[0].slot : beside(f, lane)]) continue;
         if (g.in_rows) g.in_rows = false, s.cracked.watched[static_cast<std::size_t>(q) * t.lanes + lane] = 0;
-        g.left = true, g.kind = PointKind::kDead, g.functions.clear();
+        g.handed_off = true, g.kind = PointKind::kDead, g.functions.clear();
         s.cracked.note_kind(g);
         slack(q, lane);
         if (!s.cracked.damage.empty())

@@ -52,7 +52,7 @@ std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Tri
     pieces[t.piece[i]].area += triangle_area(t.vertices[c[0]], t.vertices[c[1]], t.vertices[c[2]]);
   }
   mark_outside(m, t, pieces);
-  std::vector<int> gone(t.pieces, 0);
+  std::vector<int> detached(t.pieces, 0);
   std::vector<char> anchored(m.tables.component_stride, 0);
   for (const int slot : m.constraints.anchors) anchored[slot] = 1;
   for (int i = 0; i < m.control_points(); ++i) {
@@ -66,9 +66,9 @@ std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Tri
     Piece& p = pieces[t.owner[i]];
     p.control_points.push_back(i);
     p.held = p.held || anchored[m.tables.slot(i)];
-    gone[t.owner[i]] += s.motion.detached[m.tables.slot(i)];
+    detached[t.owner[i]] += s.motion.detached[m.tables.slot(i)];
   }
-  for (Piece& p : pieces) p.gone = p.outside || (!p.control_points.empty() && gone[p.number] > 0);
+  for (Piece& p : pieces) p.handed_off = p.outside || (!p.control_points.empty() && detached[p.number] > 0);
   for (const Interlock& lock : s.cracks.interlocks) {
     if (!lock.holds) continue;
     const int a = t.owner[m.tables.control_point(lock.plus.front().slot)],

@@ -15,7 +15,7 @@ struct Piece {
   double area = 0.0;  // at rest [m^2]
   std::vector<int> control_points;
   bool held = false;         // a support holds it
-  bool gone = false;         // already handed off, or never there
+  bool handed_off = false;   // or never there
   bool outside = false;      // outside of the trim loops: it was never there
   bool parted = false;       // a crack along a clamped border has parted a piece of it from the border
   bool interlocked = false;  // crack faces in contact still join it to another piece

@@ -37,7 +37,7 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
   ConvexShape shape;
   const PieceSurface present = present_surface(m, s);
   for (const Piece& p : pieces)
-    if (!p.gone && p.held) {
+    if (!p.handed_off && p.held) {
       std::vector<int> slots;
       for (const int i : p.control_points) slots.push_back(m.tables.slot(i));
       for (int i = 0; i < m.control_points() && p.control_points.empty(); ++i)  // a splinter on an interlayer
@@ -55,7 +55,7 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
     }
   b.shape = std::move(shape);
   for (const Piece& p : pieces)
-    if (!p.gone) remove_piece(m, s, p);
+    if (!p.handed_off) remove_piece(m, s, p);
   return out;
 }
 

@@ -239,7 +239,7 @@ class Search {
 
 RelaxationResult relax(const ShellModel& m, ShellState& s, const RelaxationRules& rules) {
   const RelaxationResult r = Search(m, s, rules).run();
-  follow(m.trim, s.motion.x);
+  update_dropped_points(m.trim, s.motion.x);
   std::fill(s.motion.v.begin(), s.motion.v.end(), 0.0);
   compute_forces(m, s, false, s.layers.plastic.empty() ? 0.0 : 1.0,
                  rules.threads);  // without the weights; plastic strain stays

@@ -30,26 +30,26 @@ Patch plate_with(double sliver) {
   return p;
 }
 
-TEST(ElementFit, EvenElementsHaveNoDoubt) {
+TEST(ElementFit, EvenElementsHaveNoWarning) {
   const ElementFit fit = element_fit(model_of(plate_with(0.0)), kElement);
   EXPECT_NEAR(fit.slower, 1.0, 0.5);  // the element's own factor of the wave's time
   EXPECT_FALSE(fit.unfit);
-  EXPECT_EQ(fit.doubt, "");
+  EXPECT_EQ(fit.warning, "");
 }
 
 TEST(ElementFit, APoleIsSlowAndLongerElementsHelp) {
   const auto tip = [](int elements) { return sphere(0.1, M_PI / 2.0, 0.0, M_PI / 2.0, elements, elements, 2); };
   const ElementFit fit = element_fit(model_of(tip(16)), kElement);
   EXPECT_FALSE(fit.unfit);
-  EXPECT_SAYS(fit.doubt, "a side shrinks to a pole: take longer elements");
+  EXPECT_SAYS(fit.warning, "a side shrinks to a pole: take longer elements");
   EXPECT_GT(element_fit(model_of(tip(8)), 2.0 * kElement).step, 3.0 * fit.step);  // the remedy: four times in the limit
 }
 
 TEST(ElementFit, ASliverIsSlowAndAThinOneIsUnfit) {
   const ElementFit slow = element_fit(model_of(plate_with(0.02)), kElement);
   EXPECT_FALSE(slow.unfit);
-  EXPECT_SAYS(slow.doubt, "an element is 0.0002 m long where 0.01 m are wanted");
-  EXPECT_SAYS(slow.doubt, "rebuild the surface with even knots");
+  EXPECT_SAYS(slow.warning, "an element is 0.0002 m long where 0.01 m are wanted");
+  EXPECT_SAYS(slow.warning, "rebuild the surface with even knots");
   EXPECT_TRUE(element_fit(model_of(plate_with(1e-5)), kElement).unfit);
 }
 

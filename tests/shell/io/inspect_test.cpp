@@ -58,7 +58,7 @@ TEST_F(Inspect, NamesAreThoseOfTheSceneThatIsBuilt) {
   EXPECT_EQ(told["seams"]["joined"], 9);
   EXPECT_EQ(told["seams_refused"], nullptr);
   for (const Json& face : told["faces"]) {
-    EXPECT_EQ(face["doubt"], nullptr);
+    EXPECT_EQ(face["warning"], nullptr);
     EXPECT_NEAR(face["stable_step_s"].get<double>() / 1e-6, 1.0, 0.5);  // 5 mm at 5.3 km/s
   }
   const RunSetup r = setup("path: 'can.step' element_m: 0.005");
@@ -73,10 +73,10 @@ TEST_F(Inspect, AFaceThatStaysWholeAloneHasNoNumber) {
   EXPECT_EQ(told["seams"], nullptr);
 }
 
-TEST_F(Inspect, PolesAreDoubted) {
+TEST_F(Inspect, PolesHaveAWarning) {
   write_step(BRepPrimAPI_MakeSphere(25).Shape(), file("ball.step"));
   const Json face = Json::parse(inspect_report(file("ball.step"), 0.0))["faces"][0];
-  EXPECT_SAYS(face["doubt"].get<std::string>(), "a side shrinks to a pole: take longer elements");
+  EXPECT_SAYS(face["warning"].get<std::string>(), "a side shrinks to a pole: take longer elements");
   EXPECT_EQ(face["unfit"], false);
   const Json longer = Json::parse(inspect_report(file("ball.step"), 0.008))["faces"][0];
   EXPECT_GT(longer["stable_step_s"].get<double>(), 8.0 * face["stable_step_s"].get<double>());

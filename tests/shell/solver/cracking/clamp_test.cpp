@@ -155,7 +155,7 @@ TEST(ClampedBorder, OfAHingedPlateIsNone) {
   for (const CrackEdge& e : c.s.cracks.graph.edges()) EXPECT_GT(std::max(e.a.x(), e.b.x()), 0.1 * c.m.spacing);
 }
 
-// However long: a strip of 60 spacings is more than a crumb.
+// However long: a strip of 60 spacings is more than a sliver.
 TEST(ClampedBorder, IsThatOfThePieceWhereACrackRunsOnIt) {
   Support support;
   support.edges = kVMin;
@@ -231,6 +231,6 @@ TEST(ClampedBorder, WhatBreaksOffThereWeighsWhatItDid) {
       }
     }
     EXPECT_NEAR(c.mass_at_border(), 0.0, 1e-12);
-    for (const GatheredPoint& g : c.s.cracked.gathered) EXPECT_TRUE(g.left);
+    for (const GatheredPoint& g : c.s.cracked.gathered) EXPECT_TRUE(g.handed_off);
   }
 }

@@ -30,7 +30,7 @@ Seam line(bool closed) {
 }
 
 // Largest difference of the sum of all hats, times the length that each stands for, from the length of each place.
-double off_whole(const Seam& seam, const std::vector<Hat>& hats, const std::vector<char>& gone) {
+double off_whole(const Seam& seam, const std::vector<Hat>& hats, const std::vector<char>& detached) {
   std::vector<double> shares(seam.places.size(), 0.0);
   std::vector<char> known(seam.places.size(), 0);
   double most = 0.0;
@@ -39,7 +39,7 @@ double off_whole(const Seam& seam, const std::vector<Hat>& hats, const std::vect
     for (std::size_t k = 0; k < hat.places.size(); ++k) sum += hat.weights[k], known[hat.places[k]] = 1;
     most = std::max(most, std::abs(sum - 1.0));
   }
-  for (std::size_t i = 0; i < known.size(); ++i) most = std::max(most, known[i] == gone[i] ? 1.0 : 0.0);
+  for (std::size_t i = 0; i < known.size(); ++i) most = std::max(most, known[i] == detached[i] ? 1.0 : 0.0);
   return most;
 }
 
@@ -65,10 +65,10 @@ TEST(TiePlaces, NoHatReachesOverACrackOrWeighsWhatIsGone) {
   for (const bool closed : {false, true})
     for (int cut = 0; cut + 1 < 40; ++cut) {
       const Seam seam = line(closed);
-      std::vector<char> apart(40, 0), gone(40, 0);
-      apart[cut] = 1, gone[(cut + 17) % 40] = 1;
-      const std::vector<Hat> hats = hats_along(seam, kElement, apart, gone);
-      EXPECT_LT(off_whole(seam, hats, gone), 1e-14) << cut;
+      std::vector<char> apart(40, 0), detached(40, 0);
+      apart[cut] = 1, detached[(cut + 17) % 40] = 1;
+      const std::vector<Hat> hats = hats_along(seam, kElement, apart, detached);
+      EXPECT_LT(off_whole(seam, hats, detached), 1e-14) << cut;
       for (const Hat& hat : hats) {
         const std::set<int> in(hat.places.begin(), hat.places.end());
         EXPECT_FALSE(in.contains(cut) && in.contains(cut + 1)) << closed << " " << cut;

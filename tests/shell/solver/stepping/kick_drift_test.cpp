@@ -68,8 +68,10 @@ struct Case {
   double yield_stress, brittleness;
   bool heals;
 };
-const Case kCases[] = {
-    {"elastic", 0, 0, true}, {"yields", 50e6, 0, true}, {"weakens", 0, 0.4, true}, {"weakens for good", 0, 0.4, false}};
+const Case kCases[] = {{"elastic", 0, 0, true},
+                       {"yields", 50e6, 0, true},
+                       {"weakens", 0, 0.4, true},
+                       {"weakens irreversibly", 0, 0.4, false}};
 
 double largest(const std::vector<double>& a) {
   double most = 0.0;
@@ -79,7 +81,7 @@ double largest(const std::vector<double>& a) {
 
 }  // namespace
 
-TEST(Jump, IsTheForceBeforeLessThatAfter) {
+TEST(Discontinuity, IsTheForceBeforeLessThatAfter) {
   for (const Case& c : kCases) {
     const ShellModel m = sheet(c.yield_stress);
     ShellState s = moving(m, c.brittleness, c.heals);
@@ -100,7 +102,7 @@ TEST(Jump, IsTheForceBeforeLessThatAfter) {
   }
 }
 
-TEST(Jump, TakenUpItKeepsEnergyAndMomenta) {
+TEST(Discontinuity, TakenUpItKeepsEnergyAndMomenta) {
   for (const Case& c : kCases) {
     const ShellModel m = sheet(c.yield_stress);
     ShellState s = moving(m, c.brittleness, c.heals);
@@ -129,7 +131,7 @@ TEST(Jump, TakenUpItKeepsEnergyAndMomenta) {
 }
 
 // All of the half kick where less of it would add more energy, else as much as keeps it.
-TEST(Jump, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
+TEST(Discontinuity, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
   for (const Case& c : kCases)
     for (const double towards : {1.0, -1.0}) {  // as it moves, and back
       const ShellModel m = sheet(c.yield_stress);
@@ -138,18 +140,18 @@ TEST(Jump, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
       insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
       release_interlocks(m, s, {}, true);
       compute_forces(m, s, true, 0.0, 1);
-      const std::vector<double> then = s.motion.v, jump = s.cracks.force_discontinuity;
+      const std::vector<double> then = s.motion.v, discontinuity = s.cracks.force_discontinuity;
       const EnergyBook book = s.book;
       apply_force_discontinuity({{&m, &s}}, kStep);
       double along = 0.0, all = 0.0;
-      for (std::size_t k = 0; k < jump.size(); ++k) {
-        const double half = 0.5 * kStep * s.motion.inverse_mass[k % m.tables.component_stride] * jump[k];
+      for (std::size_t k = 0; k < discontinuity.size(); ++k) {
+        const double half = 0.5 * kStep * s.motion.inverse_mass[k % m.tables.component_stride] * discontinuity[k];
         along += half * (s.motion.v[k] - then[k]), all += half * half;
       }
       const double share = along / all;
-      for (std::size_t k = 0; k < jump.size(); ++k)
+      for (std::size_t k = 0; k < discontinuity.size(); ++k)
         EXPECT_NEAR(s.motion.v[k] - then[k],
-                    share * 0.5 * kStep * s.motion.inverse_mass[k % m.tables.component_stride] * jump[k],
+                    share * 0.5 * kStep * s.motion.inverse_mass[k % m.tables.component_stride] * discontinuity[k],
                     1e-12 * largest(then));
       if (towards > 0.0) {
         EXPECT_NEAR(share, 1.0, 1e-9) << c.name;
@@ -162,7 +164,7 @@ TEST(Jump, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
 }
 
 // What tips release beyond the cost of their edges opens the crack: motion gains it, and fracture has not taken it.
-TEST(Jump, TheSurplusOfTipsStaysMotion) {
+TEST(Discontinuity, TheSurplusOfTipsStaysMotion) {
   for (const Case& c : {kCases[0], kCases[1]})
     for (const double share : {0.1, 0.6, 1.0}) {
       const ShellModel m = sheet(c.yield_stress);
@@ -186,33 +188,34 @@ TEST(Jump, TheSurplusOfTipsStaysMotion) {
 }
 
 // No longer than a wave passes an element: what does not fit into that stays with the crack.
-TEST(Jump, FacesAreDrivenApartForThePassageOfAWaveAtMost) {
+TEST(Discontinuity, FacesAreDrivenApartForThePassageOfAWaveAtMost) {
   const ShellModel m = sheet();
   ShellState s = moving(m);
   insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
-  const std::vector<double> then = s.motion.v, jump = s.cracks.force_discontinuity;
+  const std::vector<double> then = s.motion.v, discontinuity = s.cracks.force_discontinuity;
   const double much = 1e3 * s.cracks.released;
   s.cracks.released = s.cracks.taken = s.cracks.surplus = much;
   compute_forces(m, s, true, 0.0, 1);
   apply_force_discontinuity({{&m, &s}}, kStep);
-  for (std::size_t k = 0; k < jump.size(); ++k) {
-    const double most = m.response_time() * s.motion.inverse_mass[k % m.tables.component_stride] * jump[k];
+  for (std::size_t k = 0; k < discontinuity.size(); ++k) {
+    const double most = m.response_time() * s.motion.inverse_mass[k % m.tables.component_stride] * discontinuity[k];
     EXPECT_NEAR(then[k] - s.motion.v[k], most, 1e-12 * largest(then));
   }
   EXPECT_GT(s.cracks.taken, 0.5 * much);
 }
 
-// What half a kick gains is taken from what the same cracks have let go; only where it is more has the crack added it.
-TEST(Jump, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksLetGo) {
+// What half a kick gains is taken from what the same cracks have released; only where it is more has the crack added
+// it.
+TEST(Discontinuity, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksReleased) {
   const ShellModel m = sheet(0.0);
   double gained = 0.0;
-  for (const double let_go : {0.0, 0.4, 2.0}) {  // of what is gained
+  for (const double released : {0.0, 0.4, 2.0}) {  // of what is gained
     ShellState s = moving(m);
     s.book.fracture = 0.0;  // rounding of the first crack
     insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
     EXPECT_GT(s.cracks.released, 0.0);
     EXPECT_EQ(s.cracks.released, s.book.fracture);
-    // a force that pulls on along the jump, which no share of it can make up for
+    // a force that pulls on along the force discontinuity, which no share of it can make up for
     compute_forces(m, s, true, 0.0, 1);
     for (double& v : s.motion.v) v = 0.0;
     for (std::size_t k = 0; k < s.motion.force.size(); ++k) s.motion.force[k] = s.cracks.force_discontinuity[k];
@@ -220,21 +223,21 @@ TEST(Jump, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksLetGo) {
       s.motion.v[k] =
           -0.3 * kStep * s.motion.inverse_mass[k % m.tables.component_stride] * s.cracks.force_discontinuity[k];
     const double fracture = s.book.fracture, injected = s.book.injected;
-    s.cracks.released = let_go * gained;
+    s.cracks.released = released * gained;
     apply_force_discontinuity({{&m, &s}}, kStep);
     const double added = s.book.injected - injected, lost = s.book.fracture - fracture;
-    if (let_go == 0.0) {
+    if (released == 0.0) {
       gained = added;
       EXPECT_GT(gained, 0.0);
     }
-    EXPECT_NEAR(added, std::max(0.0, 1.0 - let_go) * gained, 1e-12 * gained);
+    EXPECT_NEAR(added, std::max(0.0, 1.0 - released) * gained, 1e-12 * gained);
     EXPECT_NEAR(added - lost, gained, 1e-9 * gained);  // the book closes in any case
     EXPECT_EQ(s.cracks.released, 0.0);
   }
 }
 
 // Control points that supports hold, tie together or drive, where cracks reach them.
-TEST(Jump, BesideSupportsTheBooksCloseToo) {
+TEST(Discontinuity, BesideSupportsTheBooksCloseToo) {
   const ShellModel m =
       sheet(0.0, {{.edges = kUMin},
                   {.edges = kUMax, .clamped = false, .motion = {{0.0, Vec3::Zero()}, {1e-3, Vec3(1e-4, 0, 5e-5)}}},
@@ -252,7 +255,7 @@ TEST(Jump, BesideSupportsTheBooksCloseToo) {
 }
 
 // Beside a seam whose knots do not match: what follows others hands on what a crack has changed of its force.
-TEST(Jump, OverASeamItKeepsEnergyAndMomenta) {
+TEST(Discontinuity, OverASeamItKeepsEnergyAndMomenta) {
   ShellMaterial material = glass();
   material.strength = 100e6, material.fracture_energy = 10.0;
   std::vector<ShellModel> models;
