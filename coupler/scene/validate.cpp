@@ -162,12 +162,12 @@ void support(const Scene& s, const std::string& g, const proto::Support& m) {
   s.check(!is_static(s.message), g + ".until_s", "is a time, and in this scene nothing moves; leave it out");
   s.check(m.until_s() < s.message.end_time_s(), g + ".until_s", "is {} s, and the run ends at {} s; leave it out",
           m.until_s(), s.message.end_time_s());
-  const double window = s.message.window_s();  // it lets go at the window that begins nearest to the time
+  const double window = s.message.window_s();  // released at the window that begins nearest to the time
   s.check(m.until_s() >= 0.5 * window, g + ".until_s",
           "is {} s, and the first window lasts {} s: it would never hold; leave the support out, or give {} s or more",
           m.until_s(), window, 0.5 * window);
   s.check(m.until_s() < s.message.end_time_s() - 0.5 * window, g + ".until_s",
-          "is {} s, in the last half of a window before the end at {} s: it would never let go; leave it out",
+          "is {} s, in the last half of a window before the end at {} s: it would never be released; leave it out",
           m.until_s(), s.message.end_time_s());
   const auto& fracture = s.message.fracture();
   s.check(!fracture.has_latest_freeze_s() || m.until_s() < fracture.latest_freeze_s(), g + ".until_s",

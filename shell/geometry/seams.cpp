@@ -76,7 +76,7 @@ double mean_product(const double* knots, int p, std::size_t count, double begin,
 // `to` has all knots of `from`; elsewhere it still reproduces polynomials. The matrix is local: end points depend on
 // end points alone, inner ones on their neighbours. Least squares over the whole edge would couple distant points, so
 // that a piece that detaches at one end would release points at the other.
-Eigen::MatrixXd followed(const EdgeCurve& from, const EdgeCurve& to) {
+Eigen::MatrixXd dependence_matrix(const EdgeCurve& from, const EdgeCurve& to) {
   const KnotVector knots(from.knots, from.degree, "seam");
   const int p = to.degree, columns = static_cast<int>(from.row.size()), rows = static_cast<int>(to.row.size());
   if (std::equal(from.knots.begin(), from.knots.end(), to.knots.begin(), to.knots.end(),
@@ -322,25 +322,27 @@ class Search {
     }
   }
 
-  void stitch(const EdgeCurve& lead, const EdgeCurve& follow, bool reversed, Join join) {
-    const Patch &m = *patches_[lead.patch], &s = *patches_[follow.patch];
-    const Eigen::MatrixXd a = followed(lead, follow), back = followed(follow, lead);
-    const auto count_m = static_cast<int>(lead.row.size()), count_s = static_cast<int>(follow.row.size());
+  void stitch(const EdgeCurve& independent, const EdgeCurve& dependent, bool reversed, Join join) {
+    const Patch &m = *patches_[independent.patch], &s = *patches_[dependent.patch];
+    const Eigen::MatrixXd a = dependence_matrix(independent, dependent),
+                          back = dependence_matrix(dependent, independent);
+    const auto count_m = static_cast<int>(independent.row.size()), count_s = static_cast<int>(dependent.row.size());
     Seam seam;
-    seam.first = lead.patch, seam.second = follow.patch, seam.first_edge = lead.edge, seam.second_edge = follow.edge;
+    seam.first = independent.patch, seam.second = dependent.patch, seam.first_edge = independent.edge,
+    seam.second_edge = dependent.edge;
     seam.reversed = reversed, seam.join = join;
-    for (int i = 0; i < kSamples; ++i) seam.length += (lead.samples[i + 1] - lead.samples[i]).norm();
+    for (int i = 0; i < kSamples; ++i) seam.length += (independent.samples[i + 1] - independent.samples[i]).norm();
     // second row of the dependent side, expressed on the knots of the independent one
     std::vector<Terms> other(count_m);
     for (int j = 0; j < count_m; ++j) {
       for (int i = 0; i < count_s; ++i)
-        other[j].push_back({{follow.patch, follow.second[i]}, back(j, i) * s.weights[follow.second[i]]});
+        other[j].push_back({{dependent.patch, dependent.second[i]}, back(j, i) * s.weights[dependent.second[i]]});
       other[j] = normalised(std::move(other[j]));
     }
     std::vector<double> share(count_m);  // share of the independent side's second row in the seam's row
     seam.smooth = join == Join::kClamped;
     for (int j = 0; j < count_m; ++j) {
-      const Vec3 x = m.control_points[lead.row[j]], from = m.control_points[lead.second[j]],
+      const Vec3 x = m.control_points[independent.row[j]], from = m.control_points[independent.second[j]],
                  to = mean(patches_, other[j]), d = to - from;
       const double t = d.squaredNorm() > 0.0 ? (x - from).dot(d) / d.squaredNorm() : 0.0;
       share[j] = 1.0 - t;
@@ -350,35 +352,39 @@ class Search {
     bool opposite = false;
     for (int i = 0; i <= kSamples; ++i) {
       bool here = false;
-      seam.angle = std::max(seam.angle, kink(m, lead, s, follow, reversed, double(i) / kSamples, here));
+      seam.angle = std::max(seam.angle, kink(m, independent, s, dependent, reversed, double(i) / kSamples, here));
       opposite = opposite || here;
     }
     require(
         !opposite,
         "{} and {} meet, but their normals u x v are on opposite sides; turn one of the patches over (reverse its u "
         "or v)",
-        name(lead), name(follow));
+        name(independent), name(dependent));
     for (int j = 0; j < count_m && seam.smooth; ++j) {
-      Terms terms{{{lead.patch, lead.second[j]}, share[j]}};
+      Terms terms{{{independent.patch, independent.second[j]}, share[j]}};
       for (const auto& [p, weight] : other[j]) terms.push_back({p, (1.0 - share[j]) * weight});
-      resolver_.depend({lead.patch, lead.row[j]}, terms);
+      resolver_.depend({independent.patch, independent.row[j]}, terms);
     }
     for (int i = 0; i < count_s; ++i) {
       Terms terms;
-      for (int j = 0; j < count_m; ++j) terms.push_back({{lead.patch, lead.row[j]}, a(i, j) * m.weights[lead.row[j]]});
+      for (int j = 0; j < count_m; ++j)
+        terms.push_back({{independent.patch, independent.row[j]}, a(i, j) * m.weights[independent.row[j]]});
       terms = normalised(std::move(terms));
-      const Vec3 x = s.control_points[follow.row[i]];
+      const Vec3 x = s.control_points[dependent.row[i]];
       const double off = (mean(patches_, terms) - x).norm();
       require(off <= 10.0 * tolerance_,
-              "{} and {} meet, but their knots let the one not follow the other: {:.3g} m off at ({:.6g}, {:.6g}, "
+              "{} and {} meet, but one edge cannot depend on the other: their knots leave it {:.3g} m off at ({:.6g}, "
+              "{:.6g}, "
               "{:.6g}); give both the same course along the edge",
-              name(lead), name(follow), off, x.x(), x.y(), x.z());
-      resolver_.depend({follow.patch, follow.row[i]}, terms);
+              name(independent), name(dependent), off, x.x(), x.y(), x.z());
+      resolver_.depend({dependent.patch, dependent.row[i]}, terms);
     }
     if (join == Join::kClamped && !seam.smooth)
       for (int j = 0; j < count_m; ++j) {
-        const double width = (lead.knots[j + lead.degree + 1] - lead.knots[j]) / (lead.degree + 1) * seam.length;
-        seam.crease.push_back({{lead.patch, lead.second[j]}, other[j], {lead.patch, lead.row[j]}, width});
+        const double width = (independent.knots[j + independent.degree + 1] - independent.knots[j]) /
+                             (independent.degree + 1) * seam.length;
+        seam.crease.push_back(
+            {{independent.patch, independent.second[j]}, other[j], {independent.patch, independent.row[j]}, width});
       }
     seams_.push_back(std::move(seam));
   }

@@ -62,8 +62,8 @@ std::vector<int> joined_slots(const Seam& seam, bool first, const ShellModel& m)
   return out;
 }
 
-// A support that lets go holds no control point of a seam of whole edges: which of them depend on others was settled
-// with the support in place. Ties along trims follow the supports of now.
+// A support with a release holds no control point of a seam of whole edges: which of them depend on others was settled
+// with the support in place. Ties along trims take the present supports.
 void check_releases(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const Stitches& found,
                     const RunSetup& r) {
   for (const Seam& seam : found.seams)
@@ -73,12 +73,12 @@ void check_releases(const scene::LoadedScene& scene, const std::vector<ScenePart
       if (m.releases.empty() || seam.trimmed()) continue;
       const std::vector<int> joined = joined_slots(seam, first, m);
       for (const SupportStage& stage : m.releases) {
-        const auto lets_go = [&](int slot) { return m.held[slot] && !stage.held[slot]; };
-        scene.check(std::none_of(joined.begin(), joined.end(), lets_go),
-                    fmt::format("shells[{}].supports", parts[k].shell),
-                    "let go at {} s, and hold control points of the seam between '{}' and '{}'; hold a part off the "
-                    "seam, or leave until_s out",
-                    stage.from, r.shells[seam.first].model.name, r.shells[seam.second].model.name);
+        const auto released = [&](int slot) { return m.held[slot] && !stage.held[slot]; };
+        scene.check(
+            std::none_of(joined.begin(), joined.end(), released), fmt::format("shells[{}].supports", parts[k].shell),
+            "are released at {} s, and hold control points of the seam between '{}' and '{}'; hold a part off the "
+            "seam, or leave until_s out",
+            stage.from, r.shells[seam.first].model.name, r.shells[seam.second].model.name);
       }
     }
 }
@@ -110,7 +110,7 @@ bool is_at_end(const Patch& patch, int point) {
   });
 }
 
-// A control point that follows others across a seam is where they are: a support that binds it along an axis binds them
+// A dependent control point is where its independent ones are. A support that binds it along an axis must bind them
 // too, or it would do nothing. At its ends a seam may meet a support of one shell.
 void check_axes(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const Stitches& found,
                 const RunSetup& r) {
@@ -133,8 +133,8 @@ void check_axes(const scene::LoadedScene& scene, const std::vector<ScenePart>& p
         for (const auto& [on, weight] : point.on)
           scene.check(!is_bound(point.point, d) || std::abs(weight) <= kLoose || is_bound(on, d),
                       fmt::format("shells[{}].supports", parts[point.point.patch].shell),
-                      "at {} s one binds control points of a seam with shell '{}' along the axis {}, where they follow "
-                      "others that are free; "
+                      "at {} s one binds control points of a seam with shell '{}' along the axis {}, where they depend "
+                      "on others that are free; "
                       "give it to the edges of both and join them by a rule of kind HINGE, or hold all axes there",
                       time, r.shells[other(point)].model.name, "XYZ"[d]);
   }

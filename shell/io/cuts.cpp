@@ -218,7 +218,7 @@ void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int 
     scene.check(
         all == 0 || held < all, field,
         "lies on an edge of the patch from ({:.6g}, {:.6g}) to ({:.6g}, {:.6g}) that a support holds without its "
-        "slope: nothing bends there, and a support lets go of nothing; cut half an element inside, or leave the "
+        "slope: nothing bends there, and a support releases nothing; cut half an element inside, or leave the "
         "support out",
         from.x(), from.y(), to.x(), to.y());
     scene.check((seamed & e.edge) != 0, field,

@@ -34,7 +34,7 @@ class FieldSampler {
  public:
   FieldSampler(const ShellModel& model, const ShellState& state, FieldSet fields, const ContactOverTime& contact);
   /// Appends the values of all arrays at a parameter point, components side by side. Returns whether anything bears
-  /// stress there; where nothing does, as in a piece that has left, they are zeros.
+  /// stress there; where nothing does, as in a piece that was handed off, they are zeros.
   bool add_values(const Vec2& at, std::vector<double>& out);
 
  private:

@@ -16,9 +16,9 @@ namespace {
 constexpr double kFarFromSurface = 1.0;  // elements: corners of a line are nearer
 constexpr double kLineSample = 0.25;     // spacings between places of a line
 constexpr double kMostSamplesOfLine = 1e5;
-constexpr double kLineJump = 4.0;     // how much further than the line its place on the surface may go
-constexpr double kNearPlaces = 0.05;  // spacings: places of a cut are further apart
-constexpr int kHalvings = 40;         // to find where a line passes to another shell
+constexpr double kLargestStride = 4.0;  // how much further than the line its place on the surface may go
+constexpr double kNearPlaces = 0.05;    // spacings: places of a cut are further apart
+constexpr int kHalvings = 40;           // to find where a line passes to another shell
 
 // A place on one of the shells.
 struct LinePlace {
@@ -138,7 +138,7 @@ class LineOnSurface {
   void check_step(const scene::LoadedScene& scene, const std::string& field, double spacing) const {
     const LinePlace &a = places_[places_.size() - 2], &b = places_.back();
     const double step = (way_.back() - way_[way_.size() - 2]).norm();
-    scene.check((b.x - a.x).norm() <= kLineJump * step + 2.0 * kLineSample * spacing, field,
+    scene.check((b.x - a.x).norm() <= kLargestStride * step + 2.0 * kLineSample * spacing, field,
                 "passes from {} to {} at once, since no surface is near the line between; give it more points, along "
                 "the surface",
                 said(a.x), said(b.x));

@@ -11,8 +11,8 @@ namespace sunder::shell {
 /// Throws Error where a box of a support holds nothing, or boxes hold all of a shell of the scene.
 void check_boxes(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const RunSetup& setup);
 
-/// Whether a shell's own stable step is that without supports: where it can crack, where a support lets go, and where
-/// supports hold all of it, while shells that are joined to it may move.
+/// Whether a shell's own stable step is that without supports: where it can crack, where a support is released, and
+/// where supports hold all of it, while shells that are joined to it may move.
 bool steps_as_if_free(const RunSetup& setup, std::size_t shell);
 
 /// Adds cuts along lines in space to the shells of `setup`. A line is moved to the nearest places of the surface, and

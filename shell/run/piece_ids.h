@@ -22,7 +22,7 @@ class PieceIds {
   PieceIds(std::vector<std::vector<double>> mass, BodyId first);
 
   /// Compares the pieces of this moment with those of the last one. `piece` is a number of the piece of each control
-  /// point of each shell, over all shells; negative for a point that keeps its id: it is of no piece or has left.
+  /// point of each shell, over all shells; negative for a point that keeps its id: it is of no piece or was handed off.
   void look(const std::vector<std::vector<int>>& piece);
   /// Returns the id of a new body made of these control points (shell, point). It is that with the largest mass among
   /// them which no body has taken, or a new id.

@@ -137,8 +137,8 @@ class Simulation {
   /// kMostSubsteps in a window.
   double substeps_of_tick(double substep, std::int64_t window) const;
 
-  /// Supports let go that are due up to `span` [s] after `now` [s]; `dt` [s] is the last substep. Returns whether any
-  /// has.
+  /// Releases supports that are due up to `span` [s] after `now` [s]. `dt` [s] is the last substep. Returns whether
+  /// any was due.
   bool release_supports(double now, double span, double dt);
   /// Gives models the supports that states from a checkpoint have. Call it after loading one.
   void restore_supports();

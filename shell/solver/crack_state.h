@@ -80,7 +80,7 @@ struct Cracks {
   // [3][component stride]: internal force before the cracks of this moment minus the force after them [N]; empty: no
   // new cracks.
   std::vector<double> force_discontinuity;
-  double released = 0.0;           // stored energy released by them and by faces that let go, booked already [J]
+  double released = 0.0;           // stored energy released by them and by released faces, booked already [J]
   double released_by_faces = 0.0;  // the part of it that is booked as friction of faces [J]
   double surplus = 0.0;            // the part of it that tips released beyond what they owe: it stays motion [J]
   double taken = 0.0;              // energy that edges which ran by themselves have taken so far [J]

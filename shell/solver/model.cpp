@@ -51,7 +51,7 @@ std::vector<Support> with_boxes_found(const ShellModel& m, std::vector<Support> 
   return supports;
 }
 
-// Stages of the supports after each time at which some of them let go.
+// Stages of the supports after each time at which some of them are released.
 std::vector<SupportStage> find_releases(const ShellModel& m, const std::vector<Support>& supports) {
   std::vector<double> times;
   for (const Support& s : supports)

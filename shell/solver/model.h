@@ -42,7 +42,7 @@ struct ShellMaterial : ElasticConstants {
   Interlayer interlayer{};
 };
 
-/// Supports from a time on, when some of them have let go.
+/// Supports from a time on, when some of them are released.
 struct SupportStage {
   double from = 0.0;  // [s]
   Constraints constraints{};

@@ -36,7 +36,7 @@ struct Support {
   std::vector<std::vector<int>> in_boxes{};
   /// Displacement over time [s], [m]: linear between points, constant outside. Empty: no motion.
   std::vector<std::pair<double, Vec3>> motion{};
-  double until = std::numeric_limits<double>::infinity();  // it lets go at this time [s]
+  double until = std::numeric_limits<double>::infinity();  // released at this time [s]
 };
 
 /// The combined effect of all supports, by axis. Tied slots move as one, with the sums of their masses and forces.
@@ -64,7 +64,7 @@ struct Constraints {
   bool partial = false;  // true where some control point is held along some axes only, tied or driven
 };
 
-/// Combines the supports that hold at `time` [s]. Parts are those of all supports; one that has let go has no slots. A
+/// Combines the supports that hold at `time` [s]. Parts are those of all supports; a released one has no slots. A
 /// control point that one support holds and another moves along the same axis is held. Throws Error where a symmetry
 /// edge does not lie in a plane across its axis, a region holds no control point, or a symmetry edge moves in two ways.
 Constraints make_constraints(const Patch& patch, const std::vector<Support>& supports, int stride,

@@ -60,15 +60,15 @@ std::vector<GatheredFunction> shell_functions(const ShellModel& model, const Vec
 /// The same at a Gauss point.
 void shell_functions(const ShellModel& model, int block, int lane, std::vector<GatheredFunction>& out);
 
-/// Begins the state of a trimmed shell: dropped control points have left, Gauss points beside loops are gathered, and
-/// loops are the first edges of the crack graph.
+/// Begins the state of a trimmed shell: dropped control points are detached, Gauss points beside loops are gathered,
+/// and loops are the first edges of the crack graph.
 void trim_state(const ShellModel& model, ShellState& state);
 
 /// Whether no crack has changed a shell: only trims have.
 bool is_uncracked(const ShellModel& model, const ShellState& state);
 
-/// Moves dropped control points with those that stay; `field` is [3][component stride]. Readers of the patch's own
-/// functions then see the surface go on a little beyond the loops.
+/// Sets `field`, [3][component stride], at dropped control points, which depend on those that stay. Readers of the
+/// patch's own functions then see the surface go on a little beyond the loops.
 void update_dropped_points(const Trimming& trimming, std::vector<double>& field);
 
 }  // namespace sunder::shell

@@ -1,4 +1,4 @@
-"""Fields, contact of a pair and a support that lets go, with the real programs: what the files hold."""
+"""Fields, contact of a pair and a support that is released, with the real programs: what the files hold."""
 from __future__ import annotations
 
 import csv
@@ -18,7 +18,7 @@ from sunder_tools.pictures.vtp import PolyData
 TOP = Path(__file__).resolve().parents[2]
 BUILD = os.environ["SUNDER_BUILD_DIR"]
 END, UNTIL, FRAMES = 1e-3, 6e-4, 1e-4  # [s]
-# A ball meets a pane, one of whose edges is let go while it does.
+# A ball meets a pane, one of whose edges is released while it does.
 PANE = f"""name: "pane"
 end_time_s: {END}
 window_s: 1e-5

@@ -63,6 +63,6 @@ TEST(CutCylinder, FliesAndLeavesWithItsMomentumAndSpin) {
     bodies.angular += b.motion.angular_momentum + b.motion.position.cross(b.mass * b.motion.velocity);
     Totals all = totals(m, s);
     all += bodies;
-    expect_the_same(all, now, "with what has left");
+    expect_the_same(all, now, "with the pieces that were handed off");
   }
 }

@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(All, Breaking,
                                          Way{"ode", "PROXY"}, Way{"ode", "EXPORTED"}),
                          [](const auto& i) { return std::string(i.param.engine) + "_" + i.param.scheme; });
 
-TEST_P(Breaking, AHingeLetsGoInTheFirstWindowPastItsAngle) {
+TEST_P(Breaking, AHingeIsReleasedInTheFirstWindowPastItsAngle) {
   const double angle = 40.0 * M_PI / 180.0;
   const Ended e =
       run(scene_text(GetParam().scheme, "kind: HINGE axis { y: 1 } breaks { angle_deg: 40 }"), GetParam().engine);
@@ -102,7 +102,7 @@ TEST_P(Breaking, AHingeLetsGoInTheFirstWindowPastItsAngle) {
   expect_free_flight(e, {0, 0, -kGravity});
 }
 
-TEST_P(Breaking, ASliderLetsGoPastItsExtensionAndABallAtItsTime) {
+TEST_P(Breaking, ASliderIsReleasedPastItsExtensionAndABallAtItsTime) {
   const Ended slid =
       run(scene_text(GetParam().scheme, "kind: SLIDER axis { x: 1 } breaks { extension_m: 0.05 time_s: 0.25 }",
                      "x: 5 z: -9.81"),

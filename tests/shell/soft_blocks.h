@@ -83,7 +83,7 @@ inline double sag(double spacing) {
   for (double t = 0.0; t < 0.6; t += dt) {
     soft.step(gravity, dt, 0.8, bodies);
     const double now = soft.sums(gravity).kinetic;
-    if (now < last) {  // let go of the motion where it is fastest
+    if (now < last) {  // remove the motion where it is fastest
       for (Vec3& v : soft.states()[0].v) v.setZero();
       for (Mat3& a : soft.states()[0].affine) a.setZero();
       last = 0.0;

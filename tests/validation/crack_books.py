@@ -85,7 +85,7 @@ def many(table: Table, executables: Executables) -> None:
     table.add("many_cost_of_an_edge_late_to_early", max(late / early, 1.0), 1.0, MOST_DEARER - 1.0, 0.0)
     table.add("many_cost_of_an_edge_in_four_times_the_pane", max(whole / quarter, 1.0), 1.0, PROPORTIONAL, 0.0)
     table.add("many_fracture_share", grew["crack_update_s"] / grew["wall_s"], 0.0, 0.15, 0.0)
-    table.lines.append(f"many: {pieces} pieces, {run['counts']['handed_off']} left; {edges[2]} edges; an edge costs "
+    table.lines.append(f"many: {pieces} pieces, {run['counts']['handed_off']} handed off; {edges[2]} edges; an edge costs "
                        f"{1e3 * early:.2f} ms among the first {edges[1]}, {1e3 * late:.2f} ms among the rest, on the whole "
                        f"{1e3 * whole:.2f} ms, and {1e3 * quarter:.2f} ms in a quarter of the pane with {edges[0]}; a "
                        f"millisecond after {1e3 * EARLY_S:.2f} ms has {cracks:.1f} times the edges and {bodies:.1f} times the "

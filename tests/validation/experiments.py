@@ -156,7 +156,7 @@ def over_stretch(table: Table, executables: Executables) -> None:
     table.lines.append("over_stretch: what is fully damaged is cut in the substep in which that completes, one Gauss "
                        "point to either side of the crack; nothing pulls on it then, so that maximum damage does not "
                        "over-stretch either. Damage without a crack does, and whether it heals changes nothing: a band that "
-                       "is pulled on never lets go. It is the cut, not healing, that lets what was stretched come back")
+                       "is pulled on stays stretched. It is the cut, not healing, that lets what was stretched come back")
     if table.pictures is not None:
         write_stretched(found, table.pictures / "over_stretch.png")
         print(f"picture          {table.pictures / 'over_stretch.png'}", flush=True)

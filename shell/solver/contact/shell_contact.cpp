@@ -142,12 +142,12 @@ void ShellContact::separate_folds(const std::vector<ShellRef>& shells, double dt
     add(c.p, -1.0), add(c.q, 1.0);
     const Vec3 n = line / apart;
     double approach = 0.0, mobility = 0.0;
-    bool follows = false;
+    bool depends = false;
     for (const Share& p : parting_) {
       const ShellState& s = *shells[p.shell].state;
       approach += p.share * n.dot(s.velocity(p.slot));
       double inverse = s.motion.inverse_mass[p.slot];
-      if (inverse > 0.0 && s.motion.mass[p.slot] == 0.0) follows = true;
+      if (inverse > 0.0 && s.motion.mass[p.slot] == 0.0) depends = true;
       if (inverse == 0.0 && s.motion.mass[p.slot] > 0.0) inverse = 1.0 / s.motion.mass[p.slot];
       mobility += p.share * p.share * inverse;
     }
@@ -156,7 +156,7 @@ void ShellContact::separate_folds(const std::vector<ShellRef>& shells, double dt
     const double stop = std::max(0.0, std::min(wanted, 0.0) - approach), rest = wanted - approach - stop;
     const double own = 1.0 / (1.0 / samples_[c.p].mass + 1.0 / samples_[c.q].mass);
     const double given = std::min(own, 1.0 / mobility);
-    const double j = (follows ? given * stop : stop / mobility) + given * rest;
+    const double j = (depends ? given * stop : stop / mobility) + given * rest;
     for (const Share& p : parting_) push(*shells[p.shell].state, p.slot, p.share * j * n, dt);
   }
 }

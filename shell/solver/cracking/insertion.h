@@ -24,7 +24,7 @@ int extend_cracks(const ShellModel& model, ShellState& state, const std::vector<
                   bool interlock, int threads = 1);
 
 /// The Gauss point leaves the row kernel and keeps its functions, those of the patch. Returns its index in
-/// state.cracked.gathered. A point that has left before stays as it is.
+/// state.cracked.gathered. A point that was handed off before stays as it is.
 int gather_point(const ShellModel& model, ShellState& state, int block, int lane);
 
 /// The Gauss point may be damaged from now on. It is listed in state.cracked.gathered; the row kernel still sums it.

@@ -7,8 +7,8 @@
 namespace sunder::shell {
 namespace {
 
-// Whether a Gauss point bears no tension any more: it is fully damaged now, or rubble. One that left with a piece does
-// not count.
+// Whether a Gauss point bears no tension any more: it is fully damaged now, or rubble. One that was
+// handed off with a piece does not count.
 bool is_spent(const ShellModel& m, const ShellState& s, int block, int lane) {
   if (s.cracked.point_of.empty()) return false;
   const int point = s.cracked.point_of[static_cast<std::size_t>(block) * m.tables.lanes + lane];

@@ -147,7 +147,7 @@ std::array<std::vector<char>, 3> fixed_along_axes(const ShellModel& m) {
 
 // The matrix G M^-1 G^T of the rows for each axis, factorised, with the inverse masses of which it is made.
 struct SeamTies::Solver {
-  int released = 0;                                      // supports that have let go
+  int released = 0;                                      // supports that are released
   std::vector<std::pair<int, int>> points;               // shell, slot
   std::vector<double> inverse;                           // of the mass of each point
   std::vector<int> rows;                                 // that hold

@@ -1,5 +1,7 @@
 #pragma once
-// Ties along trimmed seams: linear constraints between control points of two shells, and impulses that keep them.
+// Tie constraints along trimmed seams: linear equations between control points of two shells, and the impulses that
+// keep them. None of their control points is eliminated: a dependent one, with no mass of its own, is first replaced by
+// its independent ones.
 #include <algorithm>
 #include <array>
 #include <functional>

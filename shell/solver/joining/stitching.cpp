@@ -430,7 +430,7 @@ double Stitching::release_dependent(const std::vector<ShellRef>& shells, Depende
   Vec3 momentum = Vec3::Zero(), turning = Vec3::Zero();  // angular momentum that moving the mass has removed
   for (const IndependentPoint& m : t.on) {
     ShellState& s = *shells[m.shell].state;
-    // pieces that have left beside it may have taken some of what was shared
+    // pieces that were handed off beside it may have taken some of what was shared
     const double least = kSeamMassKept * shells[m.shell].model->mass[m.slot];
     const double part = std::min(m.share * model.mass[t.slot], std::max(0.0, s.motion.mass[m.slot] - least));
     const Vec3 v = s.velocity(m.slot);

@@ -1,5 +1,6 @@
 #pragma once
-// Places of a trimmed seam with the functions that cracks leave them, and the hat functions that weigh them in ties.
+// Places where a tie constraint holds two shells along a trimmed seam, with the functions that cracks leave them, and
+// the hat functions that weigh them in ties.
 #include <map>
 #include <utility>
 #include <vector>

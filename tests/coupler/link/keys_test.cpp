@@ -225,7 +225,7 @@ TEST(EncryptedSession, RunsFromHelloToBye) {
   EXPECT_EQ(server.end(), "");
 }
 
-TEST(EncryptedSession, NoticesThatTheOtherSideHasGone) {
+TEST(EncryptedSession, NoticesThatTheOtherSideHasEnded) {
   const Folder folder;
   const std::string keys = folder.made("keys");
   Server server(keys);

@@ -57,7 +57,7 @@ TEST(SceneSeams, WithASupportThatWouldDoNothingAreRefused) {
   const std::string hinge = "rules { first: \"pane\" second: \"wing\" kind: HINGE }";
   const std::string left = " supports { edges: U_MAX kind: SIMPLY_SUPPORTED axes: Z }";
   const std::string right = " supports { edges: U_MIN kind: SIMPLY_SUPPORTED axes: Z }";
-  const std::vector<std::string> words{"along the axis Z, where they follow others that are free", "kind HINGE"};
+  const std::vector<std::string> words{"along the axis Z, where they depend on others that are free", "kind HINGE"};
   expect_refusal(with("", right, ""), "shells[1].supports", words);
   expect_refusal(with(left, right, ""), "shells[0].supports", words);
   for (const std::string& scene :

@@ -1,4 +1,4 @@
-// Patches whose edges meet: what follows what, and what is refused.
+// Patches whose edges meet: what depends on what, and what is refused.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -39,15 +39,16 @@ std::string refusal(const std::vector<Patch>& patches) {
   return "";
 }
 
-// Weights sum to 1, what is followed follows nothing, and it all agrees with where the control points are at rest.
+// Weights sum to 1, independent control points depend on nothing, and it all agrees with where the control points are
+// at rest.
 void expect_sound(const std::vector<Patch>& patches, const Stitches& s, double least) {
-  std::set<PatchPoint> follow;
-  for (const Dependence& d : s.points) EXPECT_TRUE(follow.insert(d.point).second);
+  std::set<PatchPoint> dependent;
+  for (const Dependence& d : s.points) EXPECT_TRUE(dependent.insert(d.point).second);
   for (const Dependence& d : s.points) {
     double sum = 0.0;
     Vec3 x = Vec3::Zero();
     for (const auto& [p, weight] : d.on) {
-      EXPECT_FALSE(follow.count(p)) << "patch " << p.patch << " point " << p.point;
+      EXPECT_FALSE(dependent.count(p)) << "patch " << p.patch << " point " << p.point;
       EXPECT_GE(weight, least);
       sum += weight, x += weight * patches[p.patch].control_points[p.point];
     }
@@ -104,7 +105,8 @@ TEST(Seams, OfKnotsThatDoNotMatchFollowWithinAnElementOrTwo) {
     }
 }
 
-// Where the follower has all knots of the leader it is the same curve, whatever the leader does.
+// Where the dependent edge has all knots of the independent one it is the same curve, whatever the independent one
+// does.
 TEST(Seams, FinerSideIsTheCoarserOneWithKnotsInserted) {
   for (const int degree : {2, 3}) {
     const std::vector<Patch> patches{flat(0, 1, 0, 1, 4, 4, degree), flat(1, 2, 0, 1, 4, 12, degree)};
@@ -163,7 +165,7 @@ TEST(Seams, FourPatchesAtACornerAgreeOnIt) {
     std::vector<std::vector<std::pair<PatchPoint, double>>> corner;
     for (const Dependence& d : s.points)
       if (is_at(patches, d.point, Vec3(1, 1, 0))) corner.push_back(d.on);
-    ASSERT_EQ(corner.size(), 4u);  // all follow the control points within
+    ASSERT_EQ(corner.size(), 4u);  // all depend on the control points within
     for (const auto& on : corner) {
       ASSERT_EQ(on.size(), matching ? 4u : corner[0].size());
       for (std::size_t k = 0; k < on.size(); ++k) {
@@ -179,16 +181,16 @@ TEST(Seams, ThreePatchesAtTheCornerOfACubeShareIt) {
   const Stitches s = stitches(patches);
   EXPECT_EQ(s.seams.size(), 3u);
   expect_sound(patches, s, -1.5);
-  std::set<PatchPoint> lead;
-  int follow = 0;
+  std::set<PatchPoint> independent;
+  int dependent = 0;
   for (const Dependence& d : s.points)
     if (is_at(patches, d.point, Vec3::Zero())) {
-      ++follow;
+      ++dependent;
       ASSERT_EQ(d.on.size(), 1u);
-      lead.insert(d.on[0].first);
+      independent.insert(d.on[0].first);
     }
-  EXPECT_EQ(follow, 2);
-  EXPECT_EQ(lead.size(), 1u);
+  EXPECT_EQ(dependent, 2);
+  EXPECT_EQ(independent.size(), 1u);
 }
 
 TEST(Seams, ThatNearlyMeetAreRefusedWithDistanceAndPlace) {

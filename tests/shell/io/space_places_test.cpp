@@ -159,8 +159,8 @@ TEST_F(SpacePlaces, ABoxMayHoldAWholeShellOfSeveral) {
             1e-9 * (after.scale + rig.body().impulse_sum));
 }
 
-// The globe is let go where its charts are tied: nothing jumps, and it then falls as a whole.
-TEST_F(SpacePlaces, ABoxLetsGoOverATie) {
+// The globe is released where its charts are tied. Its velocity stays continuous, and it then falls as a whole.
+TEST_F(SpacePlaces, ABoxIsReleasedOverATie) {
   RunSetup setup = globe("supports { boxes { z { high: -0.35 } } kind: CLAMPED until_s: 1e-3 }\nvelocity { y: 2 }",
                          "gravity { x: 3 z: -9.81 }");
   for (const ShellSetup& s : setup.shells) ASSERT_EQ(s.model.releases.size(), 1u);

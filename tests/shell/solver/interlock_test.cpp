@@ -295,7 +295,7 @@ TEST(Interlock, BearsAtOneFaceAsAHingeDoes) {
   }
 }
 
-TEST(Interlock, LetsGoWhenOpenedOrSlidPastItsThickness) {
+TEST(Interlock, IsReleasedWhenOpenedOrSlidPastItsThickness) {
   const ShellModel m = sheet();
   const InterlockLaw law{1e-4};
   const auto holding = [](const ShellState& s) {
@@ -320,7 +320,7 @@ TEST(Interlock, LetsGoWhenOpenedOrSlidPastItsThickness) {
   EXPECT_EQ(moved({-1e-6, 1.1 * m.spacing, 0}), 0);
 }
 
-TEST(Interlock, BooksWhatItHeldWhenItIsLetGo) {
+TEST(Interlock, BooksWhatItHeldAtItsRelease) {
   const ShellModel m = sheet();
   ShellState s = halves(m);
   part(m, s, {-1e-6, 0, 0});

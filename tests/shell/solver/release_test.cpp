@@ -1,4 +1,4 @@
-// Supports that let go.
+// Release of supports.
 #include "shell/solver/release.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ TEST(Release, LeavesWhatOtherSupportsHold) {
 }
 
 // Leapfrog conserves energy to round-off, and the release changes nothing of it: the strip is bent by its velocity,
-// let go, and flies on.
+// is released, and flies on.
 TEST(Release, ChangesNeitherEnergyNorMomentum) {
   for (const bool driven : {false, true}) {
     SCOPED_TRACE(driven);

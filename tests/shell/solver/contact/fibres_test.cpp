@@ -126,7 +126,7 @@ TEST(Fibres, KeepTheirStateInRigidMotion) {
     const Vec3 was(before[i], before[i + 1], before[i + 2]);
     const Vec3 is(l.state(0).layers.fibres[i], l.state(0).layers.fibres[i + 1], l.state(0).layers.fibres[i + 2]);
     if (was == Vec3::UnitZ()) continue;
-    // at the rim, nodes of the grid that the surfaces now share are others: there fibres let go
+    // at the rim, nodes of the grid that the surfaces now share are others: there fibres are released
     if (is != Vec3::UnitZ()) {
       EXPECT_LT((was - is).norm(), 1e-4);  // 100 (dt w)^2
       ++kept;

@@ -69,7 +69,7 @@ TEST(NearTiles, OfOneSurfaceAreNoneUntilItFolds) {
     s.motion.x[slot] = x < 0.0 ? -0.002 : 0.002, s.motion.x[2 * m.tables.component_stride + slot] = std::abs(x);
   }
   EXPECT_TRUE(any());
-  s.motion.detached.assign(s.motion.detached.size(), 1);  // what has left is no candidate
+  s.motion.detached.assign(s.motion.detached.size(), 1);  // what is handed off is no candidate
   EXPECT_FALSE(any());
 }
 

@@ -175,7 +175,7 @@ double upward(const ShellModel& m, const ShellState& s, const Vec2& parameter) {
 }
 
 TEST(ShellContact, ASeamIsStoppedLikeWhatIsBesideIt) {
-  // two patches that hang together fall on a sheet; control points at their seam follow others
+  // two patches that hang together fall on a sheet; control points at their seam depend on others
   Stitched s({sheet(0.4, 8, Vec3(-0.2, 0, 0), 0.01), sheet(0.4, 8, Vec3(0.2, 0, 0), 0.01),
               sheet(0.6, 12, Vec3(0.01, 0.02, -0.01), 0.01)});
   ASSERT_EQ(s.seams().size(), 1u);
@@ -237,7 +237,7 @@ TEST(ShellContact, WhatTouchesWithinASubstepBouncesByItsRestitution) {
   EXPECT_NEAR(let_meet(two_sheets(0.033, Vec3(0, 0, -5)), 0.02, 1e-3, 0.5).second, parting, 1e-6);
 }
 
-TEST(ShellContact, OverlapsAreLetGoSlowlyOrSlowerThanTheyCame) {
+TEST(ShellContact, OverlapsAreReleasedSlowlyOrSlowerThanTheyCame) {
   // short substeps, in which speeds are at their bounds, 1 m/s or 0.75 of what they came at, but for unequal shares
   EXPECT_NEAR(let_meet(two_sheets(0.001, Vec3::Zero()), 0.05, 1e-5).second, 1.0, 2e-3);
   EXPECT_NEAR(let_meet(two_sheets(0.001, Vec3(0, 0, -8)), 0.05, 1e-5).second, 0.75 * 8.0, 2e-3);

@@ -158,7 +158,7 @@ TEST(ExtractCracks, WhatHasHealedIsNotCut) {
   EXPECT_EQ(extract_cracks(m, s, 0.0), 0);
 }
 
-TEST(ExtractCracks, TornPointsLetGoAndAreCounted) {
+TEST(ExtractCracks, TornPointsAreReleasedAndCounted) {
   const ShellModel m = panel(32, 0.0);
   ShellState s = damaging(m);
   damage_where(m, s, [&](const Vec2& p) { return (p - Vec2(0.15, 0.15)).norm() < 0.4 * m.spacing; });

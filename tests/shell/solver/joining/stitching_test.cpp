@@ -93,7 +93,7 @@ TEST(Stitching, WorkOfWhatASupportDrivesAtTheEndOfASeamIsBookedOnce) {
       for (const int slot : s.model(i).constraints.held[1]) supported[slot] = 1;
       for (const int slot : s.model(i).constraints.driven[0].slots[1]) supported[slot] = 1;
       for (int slot = 0; slot < stride; ++slot) {
-        if (s.state(i).motion.mass[slot] == 0.0) continue;  // follows others, which have its force
+        if (s.state(i).motion.mass[slot] == 0.0) continue;  // depends on others, which have its force
         const double force = s.state(i).motion.force[stride + slot];
         size += std::abs(force), left += supported[slot] ? 0.0 : force;
       }
@@ -104,7 +104,7 @@ TEST(Stitching, WorkOfWhatASupportDrivesAtTheEndOfASeamIsBookedOnce) {
   EXPECT_GT(scale, 0.01);
 }
 
-TEST(Stitching, LettingGoKeepsMassMomentumAndAngularMomentum) {
+TEST(Stitching, ReleaseKeepsMassMomentumAndAngularMomentum) {
   Stitched s({model(flat(0, 1, 0, 1, 5, 5)), model(flat(1, 2, 0, 1, 5, 8)), model(flat(0, 1, 1, 2, 6, 5))});
   double own = 0.0;
   for (const ShellRef& r : s.refs())
@@ -130,9 +130,9 @@ TEST(Stitching, LettingGoKeepsMassMomentumAndAngularMomentum) {
   EXPECT_GT(links, 0);  // the others hang together still
 }
 
-// Where knots match, what follows at a crease or a hinge is where what it follows is, to the seam's tolerance: no arm
-// to turn by.
-TEST(Stitching, LettingGoAtOnePlaceChangesNothing) {
+// Where knots match, a dependent point at a crease or a hinge is where its independent points are, to the seam's
+// tolerance: no arm to turn by.
+TEST(Stitching, ReleaseAtOnePlaceChangesNothing) {
   for (const Join join : {Join::kClamped, Join::kHinge}) {
     Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(plate(1.0, 1.0, 12, 12, Vec3(1.0, 0.5, 0.5),
                                                              Quat(Eigen::AngleAxisd(-1.5707963, Vec3::UnitY()))))},

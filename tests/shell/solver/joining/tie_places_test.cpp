@@ -61,7 +61,7 @@ TEST(TiePlaces, HatsWithoutCracksAreAnElementApart) {
   }
 }
 
-TEST(TiePlaces, NoHatReachesOverACrackOrWeighsWhatIsGone) {
+TEST(TiePlaces, NoHatReachesOverACrackOrWeighsADetachedPlace) {
   for (const bool closed : {false, true})
     for (int cut = 0; cut + 1 < 40; ++cut) {
       const Seam seam = line(closed);

@@ -150,7 +150,7 @@ TEST(HandOff, ALongStripLeavesWithNoMoreEnergyThanThereWas) {
 
 TEST(HandOff, TheLastPieceTakesAllThatIsLeft) {
   const ShellModel m = brittle_sheet();
-  for (const double share : {0.99, 1.0 + 1e-9, 1.01}) {  // what pieces before it have left it, too little or too much
+  for (const double share : {0.99, 1.0 + 1e-9, 1.01}) {  // what earlier pieces have not taken, too little or too much
     ShellState s = make_state(m, Vec3(3, -2, 5), 1);
     for (int i = 0; i < m.control_points(); ++i) s.motion.mass[m.tables.slot(i)] *= share;
     compute_forces(m, s, false, 0.0, 1);

@@ -254,7 +254,7 @@ TEST(Discontinuity, BesideSupportsTheBooksCloseToo) {
   }
 }
 
-// Beside a seam whose knots do not match: what follows others hands on what a crack has changed of its force.
+// Beside a seam whose knots do not match: dependent points hand on what a crack has changed of their force.
 TEST(Discontinuity, OverASeamItKeepsEnergyAndMomenta) {
   ShellMaterial material = glass();
   material.strength = 100e6, material.fracture_energy = 10.0;
@@ -266,7 +266,7 @@ TEST(Discontinuity, OverASeamItKeepsEnergyAndMomenta) {
   Stitched s(std::move(models));
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(-20.0, 20.0);
-  for (double& v : s.state(0).motion.v) v = uniform(random);  // positions of what follows stay what they follow
+  for (double& v : s.state(0).motion.v) v = uniform(random);  // dependent points stay in place
   s.stitching().update_dependent_velocities(s.refs());
   const auto energy = [&] {
     const double stored = s.forces(true);
