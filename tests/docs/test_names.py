@@ -1,5 +1,5 @@
 """What the pages of shell/ name is there: identifiers of NOTATION.md and of the tables of stages, and files of the tables
-of files, which leave no source out.
+of files, which leave no source out. Sources and pages use terms of the field: none of the words in PRIVATE.
 """
 from __future__ import annotations
 
@@ -14,6 +14,26 @@ SHELL = TOP / "shell"
 ROOMS = ("proto", "coupler", "shell", "rigid")
 SOURCE = (".h", ".cpp", ".proto", ".py")
 STAGES = "One substep"
+
+# private words, the field's term for each, and the folders ("": all) in which the word has no other meaning
+PRIVATE = (
+    (r"hand_?back", "predicted state", ""),
+    (r"\blet(s|ting)?[ _]go\b|Let(s|ting)?Go", "released", ""),
+    (r"\bcrumbs?\b", "sliver", ""),
+    (r"weakens for good", "irreversible damage", ""),
+    (r"own ground|\bground\b", "energy-release zone", "shell/solver shell/fracture"),
+    (r"line of sight|_sight\b|\bsight_", "visibility", "shell tests"),
+    (r"\bcarr(y|ies) on over", "propagate over seams", ""),
+    (r"hardness", "stiffness ratio", "coupler/core coupler/link shell rigid"),
+    (r"\bmasters?\b|\bleader\b|\bfollowers?\b", "dependent and independent", "shell rigid/engine tests/shell"),
+    (r"\bbrace[sd]?\b", "crease constraint", "shell"),
+    (r"\bjump", "discontinuity", "shell/solver tests/shell/solver"),
+    (r"\bsix\b(?=\s*[\[(.;,=)])", "face stresses", "shell/solver"),
+    (r"\btables\.plane\b", "component stride", "shell tests"),
+    (r"\bdoubt(s|ed|ful)?\b", "warning", "shell coupler/sunder_tools tests/shell tests/command"),
+    (r"\bgone\b|(\.|->)left;|\bbool left\b", "detached, handed off", "shell/solver shell/mechanics shell/run"),
+    (r"\bspared\b", "retained", "shell"),
+)
 
 
 @cache
@@ -73,6 +93,14 @@ def missing(code: str) -> list[str]:
         if not has(kind, member):
             out.append(f"{kind}::{member}")
     return out
+
+
+def private_words(path: str, text: str) -> list[str]:
+    """Private words in a text of the file at this path: line, word and the term to take."""
+    return [f"{path}:{text.count(chr(10), 0, match.start()) + 1}: '{match[0]}': say {term}"
+            for word, term, folders in PRIVATE
+            if any(path.startswith(f"{folder}/") for folder in folders.split()) or not folders
+            for match in re.finditer(word, text, re.IGNORECASE)]
 
 
 def codes(text: str) -> list[str]:
@@ -148,6 +176,23 @@ class Names(unittest.TestCase):
         told = {page.parent / folder for page in SHELL.rglob("README.md") for folder, _ in named_files(page.read_text())}
         there = {p.parent for p in SHELL.rglob("*.cpp")} - {SHELL}
         self.assertEqual({str(p.relative_to(TOP)) for p in there - told}, set())
+
+    def test_no_private_word_comes_back(self) -> None:
+        files = [p for room in (*ROOMS, "scenes", "tests") for p in sorted((TOP / room).rglob("*"))
+                 if p.suffix in (*SOURCE, ".mjs", ".md", ".txt") and p != Path(__file__).resolve()]
+        self.assertGreater(len(files), 500)
+        found = [word for p in (TOP / "README.md", *files)
+                 for word in private_words(str(p.relative_to(TOP)), p.read_text(encoding="utf-8"))]
+        self.assertEqual(found, [])
+
+    def test_private_words_are_found_where_they_have_no_other_meaning(self) -> None:
+        self.assertEqual(private_words("shell/a.h", "a\n// it lets go"), ["shell/a.h:2: 'lets go': say released"])
+        self.assertEqual(private_words("tests/a_test.cpp", "TEST(A, LetsGo)"), ["tests/a_test.cpp:1: 'LetsGo': say released"])
+        self.assertEqual(private_words("shell/solver/a.h", "double six[6];"), ["shell/solver/a.h:1: 'six': say face stresses"])
+        self.assertEqual(private_words("shell/solver/a.h", "// all six of them"), [])
+        self.assertEqual(private_words("shell/solver/a.h", "g.left; // left"),
+                         ["shell/solver/a.h:1: '.left;': say detached, handed off"])
+        self.assertEqual(private_words("coupler/sunder_tools/a.py", "ground, crumble, jump, gone"), [])
 
     def test_what_is_not_there_is_found(self) -> None:
         self.assertEqual(missing("Motion::x"), [])

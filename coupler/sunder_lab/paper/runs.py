@@ -86,7 +86,7 @@ class Runs:
         self.record = Record.read(self.folder)  # it may have been written since
 
     def close(self) -> None:
-        """Lets go of the folder."""
+        """Releases the folder."""
         if self._lock >= 0:
             os.close(self._lock)
         self._lock = -1
