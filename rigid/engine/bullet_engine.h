@@ -10,17 +10,15 @@ namespace sunder::rigid {
 
 /// Properties of the adapter:
 /// - A body without a contact or joint in a window ends in its predicted state, to the bit.
-/// - There is no damping, sleeping, rolling resistance or gravity. In a pile at rest velocities vary by a few g H (H:
-/// the
-///   window); its energy does not grow.
-/// - Shapes: contacts with half spaces use true corners, contacts of two boxes true faces. Other pairs use hulls with
-///   edges rounded by at most 0.5 mm inside their size. Sharp corners lose up to 0.7 mm.
-/// - Look-ahead: contacts are found within 2 mm plus the distance that the two centres move relative to each other in
-/// the
-///   window. For half spaces it is the distance that each corner moves, turning included. Two spheres are found in an
-///   overlap only.
+/// - There is no damping, sleeping, rolling resistance or gravity. In a pile at rest velocities vary by a few g H, with
+///   H the window; its energy does not grow.
+/// - Shapes: contacts with half spaces use true corners, contacts of two boxes true faces, spheres their true radius.
+///   Other pairs use hulls with edges rounded by at most 0.5 mm inside their size. Sharp corners lose up to 0.7 mm.
+/// - Look-ahead: contacts of two bodies, spheres among them, are found within 2 mm plus the distance that the two
+///   centres move relative to each other in the window. For half spaces it is the distance that each corner moves,
+///   turning included.
 /// - Bodies that overlap in their first window, as shards of one pane do, may keep this overlap until they separate. So
-///   add a body where its first window starts.
+///   a body must be added where its first window starts.
 /// - Restitution acts on the closing speed of the average velocities, from 0.05 m/s.
 /// - Bodies added between two windows give the same result in any order.
 /// - save() drops the contact impulses that solves start from: a stack that is saved in every window sinks
