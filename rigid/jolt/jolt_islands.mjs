@@ -1,24 +1,14 @@
 // Restores the angular momentum of linked bodies that have no link to the world.
 import * as m from './algebra.mjs';
+import { islands } from './islands.mjs';
+
+const moves = (held) => held !== undefined && !held.body.is_static;
 
 /** Groups of bodies that joints connect. A group with a joint to a static body or to the world is left out, since that
  * joint takes up angular momentum. `pairs`: the two bodies of each joint, undefined for the world. */
 export function freeIslands(pairs) {
-  const above = new Map(); // union-find
-  const top = (held) => {
-    while (above.get(held) !== held) held = above.get(held);
-    return held;
-  };
-  const moves = (held) => held !== undefined && !held.body.is_static;
-  for (const held of pairs.flat()) if (moves(held)) above.set(held, held);
-  for (const [first, second] of pairs) if (moves(first) && moves(second)) above.set(top(second), top(first));
-  const islands = new Map();
-  for (const held of above.keys()) islands.set(top(held), [...(islands.get(top(held)) ?? []), held]);
-  for (const [first, second] of pairs) {
-    if (moves(first) && !moves(second)) islands.delete(top(first));
-    if (moves(second) && !moves(first)) islands.delete(top(second));
-  }
-  return [...islands.values()];
+  const hung = new Set(pairs.filter((pair) => !pair.every(moves)).flat());
+  return islands(pairs, moves).filter((island) => !island.some((held) => hung.has(held)));
 }
 
 /** Jolt corrects joints by moving bodies by s = `held.push` [m], which removes the angular momentum s x p. In bodies

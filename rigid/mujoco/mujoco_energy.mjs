@@ -2,34 +2,20 @@
 // tumbles has others at its end; and to turn a pose changes the energy of an angular momentum. Both are small and are
 // taken back here.
 import * as m from '../jolt/algebra.mjs';
+import { islands } from '../jolt/islands.mjs';
 
 const kMostRounds = 60;
 
 const energy = (held, { orientation, velocity, angular_momentum: momentum }) => 0.5 * (held.mass * m.dot(velocity, velocity) +
   m.dot(momentum, m.applyInverseInertia(orientation, held.body.principal_inertia, momentum)));
 
-/** Groups of moving bodies that these links [{ first, second }] connect; `second` may be undefined. */
-function groups(links) {
-  const above = new Map(); // union-find
-  const top = (held) => {
-    while (above.get(held) !== held) held = above.get(held);
-    return held;
-  };
-  const moves = (held) => held !== undefined && held.slot >= 0;
-  for (const { first, second } of links) {
-    for (const held of [first, second]) if (moves(held) && !above.has(held)) above.set(held, held);
-    if (moves(first) && moves(second)) above.set(top(second), top(first));
-  }
-  const all = new Map();
-  for (const held of above.keys()) all.set(top(held), [...(all.get(top(held)) ?? []), held]);
-  return [...all.values()];
-}
+const moves = (held) => held !== undefined && held.slot >= 0;
 
-/** In each group that has more energy than its predicted states (by body), takes back turns out of overlaps (`unturned`:
- * orientation before), then a share of the impulses, and their turns where that is not enough. The share is one for the
- * group, so momentum stays. */
+/** Acts on each group of bodies that `links` [{ first, second }] connect (`second` may be undefined), where it has more
+ * energy than its predicted states (by body). Takes back turns out of overlaps (`unturned`: orientation before), then a
+ * share of the impulses, and their turns where that is not enough. The share is one for the group, so momentum stays. */
 export function takeGainBack(links, predicted) {
-  for (const group of groups(links)) {
+  for (const group of islands(links.map(({ first, second }) => [first, second]), moves)) {
     const allowed = group.reduce((sum, held) => sum + energy(held, predicted.get(held)), 0);
     const now = () => group.reduce((sum, held) => sum + energy(held, held.end), 0);
     const orient = (of) => {

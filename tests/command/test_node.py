@@ -233,5 +233,34 @@ class Places(unittest.TestCase):
                 self.assertIn("-m sunder_tools.launch.node", done.stderr)
 
 
+class Islands(unittest.TestCase):
+    def told(self, expression: str) -> object:
+        """What an expression gives; bodies a to d move, f does not, and w is the world."""
+        program = shutil.which("node")
+        if program is None:
+            self.skipTest("there is no Node.js")
+        text = f"""import {{ islands }} from './rigid/jolt/islands.mjs';
+            import {{ freeIslands }} from './rigid/jolt/jolt_islands.mjs';
+            const [a, b, c, d, f] = [...'abcdf'].map((name) => ({{ name, body: {{ is_static: name === 'f' }} }}));
+            const w = undefined, moves = (held) => held !== undefined && !held.body.is_static;
+            process.stdout.write(JSON.stringify({expression}.map((group) => group.map((held) => held.name))));"""
+        done = subprocess.run([program, "--input-type=module", "-e", text], cwd=REPOSITORY, capture_output=True, text=True,
+                              check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def test_a_chain_of_pairs_is_one_group(self) -> None:
+        self.assertEqual(self.told("islands([[c, d], [a, b], [b, d]], moves)"), [["c", "d", "a", "b"]])
+        self.assertEqual(self.told("islands([[a, b], [c, w], [w, d]], moves)"), [["a", "b"], ["c"], ["d"]])
+        self.assertEqual(self.told("islands([], moves)"), [])
+
+    def test_what_does_not_move_connects_nothing(self) -> None:
+        self.assertEqual(self.told("islands([[a, f], [f, b]], moves)"), [["a"], ["b"]])
+
+    def test_groups_that_hang_on_something_are_not_free(self) -> None:
+        self.assertEqual(self.told("freeIslands([[a, b], [b, f], [c, d]])"), [["c", "d"]])
+        self.assertEqual(self.told("freeIslands([[a, b], [w, a], [c, d]])"), [["c", "d"]])
+
+
 if __name__ == "__main__":
     unittest.main()
