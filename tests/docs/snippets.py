@@ -3,8 +3,9 @@
     ```sh                       the block is run by bash, in a folder that has the checkout's files
     ```sh check: REASON         its commands are parsed and the files that they name must exist
     ```sh norun: REASON         it is left alone
-    ```textproto                a whole scene: it must pass `sunder check`
-    ```textproto into=SCENE     a part of a scene: merged into SCENE, it must pass; with until=SECONDS it is also run
+    ```textproto                a whole scene: it must pass `sunder check` and, with until=SECONDS, is run for that long;
+                                with `run` to its end
+    ```textproto into=SCENE     a part of a scene: merged into SCENE, the same
     ```python                   it must compile; with `run` it is run with the project's modules on the path
     ```text, ```cpp             output and excerpts: left alone
 
@@ -40,6 +41,11 @@ class Snippet:
         """run, check or norun."""
         word = re.match(r"(check|norun):", self.info)
         return word[1] if word else "run"
+
+    @property
+    def is_run(self) -> bool:
+        """Whether a scene or a program is run, and not only checked."""
+        return "run" in self.info.split() or self.option("until") is not None
 
     @property
     def reason(self) -> str:
