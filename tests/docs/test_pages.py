@@ -14,6 +14,7 @@ from pathlib import Path
 from tests.docs.snippets import TOP, readmes
 
 MOST_BYTES, MOST_LINES, MOST_IN_A_LINE = 10240, 160, 1200
+MOST_LINES_OF_SHELL = 120
 NUMBER = r"\d[\d.,]*(?:e[-+]?\d+)?"
 MEASURED = (
     rf"{NUMBER} ± {NUMBER}",                                            # scatter of a series
@@ -80,6 +81,9 @@ class Pages(unittest.TestCase):
         text = (TOP / "README.md").read_bytes()
         self.assertLessEqual(len(text), MOST_BYTES)
         self.assertLessEqual(text.count(b"\n"), MOST_LINES)
+
+    def test_the_page_of_the_solver_is_short(self) -> None:
+        self.assertLessEqual((TOP / "shell" / "README.md").read_bytes().count(b"\n"), MOST_LINES_OF_SHELL)
 
     def test_no_line_is_long(self) -> None:
         long = [f"{p.relative_to(TOP)}:{n}: {len(line)}" for p in readmes()

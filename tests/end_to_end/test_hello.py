@@ -2,11 +2,14 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
 import sys
 import tempfile
-import time
 import unittest
 from pathlib import Path
+from typing import Any
+from unittest import mock
 
 TOP = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ["SUNDER_BUILD_DIR"])
@@ -14,8 +17,6 @@ sys.path.insert(0, str(TOP / "coupler"))
 from sunder_tools.errors import CommandError  # noqa: E402
 from sunder_tools.launch import engines  # noqa: E402
 from sunder_tools.launch.build import ensure_built  # noqa: E402
-
-SOON_S = 20.0  # a session that nobody binds is waited for far longer
 
 
 class Hello(unittest.TestCase):
@@ -28,14 +29,25 @@ class Hello(unittest.TestCase):
         return engines.resolve(str(program), ensure_built())
 
     def test_an_engine_that_ends_is_not_waited_for(self) -> None:
+        """Who asks is killed. By itself it would wait far longer for a session that nobody binds, and then end."""
+        started: list[subprocess.Popen[str]] = []
+        real = subprocess.Popen
+
+        def start(*arguments: Any, **options: Any) -> subprocess.Popen[str]:
+            started.append(real(*arguments, **options))
+            return started[-1]
+
         for text, says in (("echo 'the licence has expired' >&2; exit 7", "the licence has expired"),
                            ("exit 7", "it ended with status 7 without an answer"),
                            ("kill -KILL $$", "it was killed by SIGKILL without an answer")):
-            start = time.monotonic()
-            with self.assertRaises(CommandError) as refused:
-                engines.hello(self.engine(text), ensure_built())
+            engine, built = self.engine(text), ensure_built()
+            started.clear()
+            with mock.patch.object(engines.subprocess, "Popen", start), self.assertRaises(CommandError) as refused:
+                engines.hello(engine, built)
             self.assertIn(says, str(refused.exception))
-            self.assertLess(time.monotonic() - start, SOON_S)
+            _, asking = started
+            self.assertIn("hello", asking.args)
+            self.assertEqual(asking.returncode, -signal.SIGKILL)
 
     def test_an_engine_that_says_much_and_starts_slowly_is_waited_for(self) -> None:
         slow = f"head -c 300000 /dev/zero >&2; sleep 3; exec {BUILD}/rigid/sunder-rigid \"$@\" --engine freeflight"

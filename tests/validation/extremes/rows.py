@@ -22,6 +22,7 @@ SCENE_FILE = "extreme.textproto"
 MOST_LEDGER = 1e-12  # of the impulses: what each window promises
 KILLED = "killed"    # at its time limit, in place of an exit status
 LOOK_S = 1.0         # between two looks at how long it has computed
+ENDING_S = 10.0      # of processor time, that it may take to end once it is told to
 BUSY = 8.0           # so many times its limit a row may take where others compute
 
 
@@ -202,7 +203,7 @@ class Runner:
             except subprocess.TimeoutExpired:
                 process.terminate()  # of two processes the command ends both
                 try:
-                    _, words = process.communicate(timeout=10.0)
+                    words = _until_it_ends(process, processor_s(process.pid) + ENDING_S)
                 except subprocess.TimeoutExpired:
                     process.kill()
                     _, words = process.communicate()
