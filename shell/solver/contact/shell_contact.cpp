@@ -12,8 +12,8 @@ namespace {
 // that only stops them; with two passes none cross (validate contact --case crumple).
 constexpr int kPasses = 2;
 // Fastest recovery of an overlap: a share of the slower shell's wave speed, and a speed [m/s]. What is parted faster
-// gains energy: torn cloth at 8 %. A crumpled film does not pass through itself with 1 % nor with 3 %, and moves less
-// in the end with 1 % (validate contact --case crumple_small).
+// gains energy, as torn cloth does with a share several times as large. A crumpled film does not pass through itself
+// with this share, nor with a larger one that leaves it in more motion (validate contact --case crumple_small).
 constexpr double kRecoveryOfWave = 0.01, kFastestRecovery = 1.0;
 
 std::vector<std::vector<SurfaceLaw>> with_recovery(const std::vector<const ShellModel*>& shells,
