@@ -12,7 +12,9 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <omp.h>
+#include <nlohmann/json.hpp>
 
+#include "coupler/core/command_line.h"
 #include "coupler/core/error.h"
 #include "shell/solver/forces.h"
 #include "tests/benchmarks/absent.h"
@@ -290,7 +292,7 @@ void print(const std::map<std::string, double>& out) {
   }
 }
 
-int run(const std::string& filter, const std::string& json) {
+int measure(const std::string& filter, const std::string& json) {
   std::map<std::string, double> out;
   bool any = false;
   std::string names;
@@ -313,40 +315,37 @@ int run(const std::string& filter, const std::string& json) {
     fmt::print("load average over the last minute {:.1f}, on {} processors\n", load, omp_get_num_procs());
   print(out);
   if (json.empty()) return 0;
-  std::string text;
-  for (const auto& [key, value] : out) text += fmt::format("{}\n  \"{}\": {:.9g}", text.empty() ? "" : ",", key, value);
   std::ofstream file(json);
-  file << "{" << text << "\n}\n";
+  file << nlohmann::json(out).dump(2) << "\n";
   file.close();
-  if (!file) {
-    std::cerr << "sunder-bench: cannot write " << json << "\n";
-    return 2;
-  }
+  require(file.good(), "--json {}: cannot be written", json);
+  return 0;
+}
+
+void print_list() {
+  for (const char* name : kKernels) fmt::print("{}\n", name);
+  for (const bench::ProcessBenchmark& b : benchmarks_of_runs())
+    for (const bench::Goal& g : b.goals) fmt::print("{}: {}, goal {:g} {}\n", b.name, g.key, g.at_most, g.unit);
+}
+
+int run(int argc, char** argv) {
+  std::string filter, json;
+  bool list = false;
+  CLI::App app("Measures what a force evaluation and an engine in another process cost.", "sunder-bench");
+  app.add_option("--filter", filter, "Runs benchmarks whose name holds NAME")->type_name("NAME")->take_last();
+  app.add_option("--json", json, "Writes the numbers here too")->type_name("FILE")->take_last();
+  app.add_flag("--list", list, "Prints the benchmarks and ends");
+  if (!read_arguments(app, argc, argv)) return 0;
+  if (!list) return measure(filter, json);
+  print_list();
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string filter, json;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (i + 1 < argc && option == "--filter")
-      filter = argv[++i];
-    else if (i + 1 < argc && option == "--json")
-      json = argv[++i];
-    else if (option == "--list") {
-      for (const char* name : kKernels) fmt::print("{}\n", name);
-      for (const bench::ProcessBenchmark& b : benchmarks_of_runs())
-        for (const bench::Goal& g : b.goals) fmt::print("{}: {}, goal {:g} {}\n", b.name, g.key, g.at_most, g.unit);
-      return 0;
-    } else {
-      std::cerr << "sunder-bench [--filter NAME] [--json FILE] | --list\n";
-      return option == "--help" ? 0 : 2;
-    }
-  }
   try {
-    return run(filter, json);
+    return run(argc, argv);
   } catch (const Error& e) {
     std::cerr << "sunder-bench: " << e.kind << ": " << e.what() << "\n";
     return static_cast<int>(e.status);

@@ -14,7 +14,7 @@ from sunder_tools import errors
 from sunder_tools.launch import build
 from sunder_tools.pictures.plots import there
 from sunder_tools.places import BUILD_DIR_VARIABLE
-from tests.validation import experiments
+from tests.validation import experiments, measure
 
 from . import sunder
 from .fakes import write_executables
@@ -76,6 +76,16 @@ class Measuring(unittest.TestCase):
         table = self.folder / "table.json"
         self.assertEqual(sunder(["validate", "shells", "--case", "cheese", "--json", str(table)]), 2)
         self.assertFalse(table.exists())
+
+    def test_cases_are_those_that_the_program_lists_and_whole_runs(self) -> None:
+        self.program("sunder-validate", "assert sys.argv[1:] == ['--list']\n"
+                     "print('shells:\\n  roof    a roof\\n  beam    and more\\nsoft:\\n  ball    one\\nsoft, by name:\\n  long    other')")
+        bounce = experiments.Experiment("bounce", "a ball", lambda table, executables: None)
+        with mock.patch.dict(experiments.EXPERIMENTS, {"shells": (bounce,), "soft": ()}):
+            self.assertEqual(measure.case_names("shells"), ("roof", "beam", "bounce"))
+            self.assertEqual(measure.case_names("soft"), ("ball",))
+            self.assertEqual(measure.cases_by_name("soft"), ("long",))
+            self.assertEqual(measure.case_names("engines"), ())
 
     def test_it_is_said_where_nothing_is_drawn(self) -> None:
         self.validator(0)

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace sunder::conformance {
 namespace {
@@ -24,28 +25,6 @@ const char* word(Verdict verdict) {
     default:
       return "reported";
   }
-}
-
-std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.17g}", x) : "null"; }
-
-std::string json_string(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      out += '\\', out += c;
-    else if (code < 0x20)
-      out += fmt::format("\\u{:04x}", code);
-    else
-      out += c;
-  }
-  return out + "\"";
-}
-
-std::string list(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& w : words) out += (out.empty() ? "" : ", ") + json_string(w);
-  return "[" + out + "]";
 }
 
 void print(const Row& row) {
@@ -133,19 +112,21 @@ int Report::count(Verdict verdict) const {
 }
 
 void Report::write_json(const std::string& path, const link::EngineInfo& engine) const {
+  using Json = nlohmann::ordered_json;
+  Json cases = Json::array();
+  for (const Row& r : rows_)  // what is not finite becomes null
+    cases.push_back({{"name", r.name},
+                     {"needs", r.needs},
+                     {"computed", r.computed},
+                     {"reference", r.reference},
+                     {"error", r.error},
+                     {"tolerance", r.tolerance},
+                     {"verdict", word(r.verdict)},
+                     {"note", r.note}});
+  const Json all = {
+      {"engine", engine.name}, {"version", engine.version}, {"capabilities", engine.capabilities}, {"cases", cases}};
   std::ofstream out(path);
-  out << fmt::format("{{\"engine\": {}, \"version\": {}, \"capabilities\": {},\n\"cases\": [", json_string(engine.name),
-                     json_string(engine.version), list(engine.capabilities));
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    const Row& r = rows_[i];
-    out << (i ? ",\n  " : "\n  ")
-        << fmt::format(
-               "{{\"name\": {}, \"needs\": {}, \"computed\": {}, \"reference\": {}, \"error\": {}, \"tolerance\": {}, "
-               "\"verdict\": \"{}\", \"note\": {}}}",
-               json_string(r.name), list(r.needs), number(r.computed), number(r.reference), number(r.error),
-               number(r.tolerance), word(r.verdict), json_string(r.note));
-  }
-  out << "\n]}\n";
+  out << all.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";  // an engine's words may be no UTF-8
   out.close();
   if (!out) throw Error(Exit::kBadInput, "bad_file", "--json " + path + ": cannot be written");
 }

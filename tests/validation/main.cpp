@@ -1,5 +1,5 @@
 // sunder-validate: runs validation cases, prints a table, writes JSON. The exit status is 1 where a case fails.
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -7,7 +7,11 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "coupler/core/command_line.h"
+#include "coupler/core/error.h"
+#include "coupler/core/nearest.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -39,123 +43,135 @@ const std::map<std::string, std::set<std::string>> kQuick{
     {"seams", {"frames"}},
     {"surfaces", {"disc", "ring", "random", "flight", "tied_17"}}};
 
-std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.17g}", x) : "null"; }
+// Every suite's cases, and those that run only where they are named.
+struct Suites {
+  std::map<std::string, std::vector<Case>> all, by_name;
+};
 
-std::string list(const std::vector<double>& values) {
-  std::string out;
-  for (const double v : values) out += (out.empty() ? "" : ", ") + number(v);
-  return "[" + out + "]";
+Suites all_suites() {
+  Suites suites{{{"shells", static_cases()},
+                 {"cracks", crack_cases()},
+                 {"coupling", coupling_cases()},
+                 {"contact", contact_cases()},
+                 {"soft", soft_cases()},
+                 {"seams", seam_cases()},
+                 {"surfaces", surface_cases()}},
+                {{"coupling", long_coupling_cases()}, {"contact", long_contact_cases()}}};
+  const auto add = [&](const char* suite, const std::vector<Case>& more) {
+    suites.all[suite].insert(suites.all[suite].end(), more.begin(), more.end());
+  };
+  add("shells", dynamic_cases()), add("shells", transfer_cases());
+  add("cracks", tip_cases()), add("cracks", bar_cases()), add("cracks", face_cases()),
+      add("cracks", sensitivity_cases());
+  add("contact", fibre_cases());
+  return suites;
 }
 
+// The form is read by tests/validation/measure.py.
+void print_list(const std::string& heading, const std::vector<Case>& cases) {
+  fmt::print("{}:\n", heading);
+  for (const Case& c : cases) fmt::print("  {:<18} {}\n", c.name, c.what);
+}
+
+// A value that is not finite becomes null.
 void write_json(const std::string& path, const Report& report) {
+  using Json = nlohmann::ordered_json;
+  Json cases = Json::array(), curves = Json::array();
+  for (const Row& r : report.rows)
+    cases.push_back({{"name", r.name},
+                     {"computed", r.computed},
+                     {"reference", r.reference},
+                     {"error", r.error},
+                     {"tolerance", r.tolerance},
+                     {"pass", r.pass()},
+                     {"seconds", std::round(1e3 * r.seconds) / 1e3}});
+  for (const Curve& c : report.curves)
+    curves.push_back({{"name", c.name},
+                      {"x_label", c.x_label},
+                      {"y_label", c.y_label},
+                      {"logarithmic", c.logarithmic},
+                      {"x", c.x},
+                      {"y", c.y}});
   std::ofstream out(path);
-  out << "{\"cases\": [";
-  for (std::size_t i = 0; i < report.rows.size(); ++i) {
-    const Row& r = report.rows[i];
-    out << (i ? ",\n  " : "\n  ")
-        << fmt::format(
-               "{{\"name\": \"{}\", \"computed\": {}, \"reference\": {}, \"error\": {}, \"tolerance\": {}, \"pass\": "
-               "{}, "
-               "\"seconds\": {:.3f}}}",
-               r.name, number(r.computed), number(r.reference), number(r.error), number(r.tolerance), r.pass(),
-               r.seconds);
-  }
-  out << "\n],\n\"curves\": [";
-  for (std::size_t i = 0; i < report.curves.size(); ++i) {
-    const Curve& c = report.curves[i];
-    out << (i ? ",\n  " : "\n  ")
-        << fmt::format(
-               "{{\"name\": \"{}\", \"x_label\": \"{}\", \"y_label\": \"{}\", \"logarithmic\": {}, \"x\": {}, \"y\": "
-               "{}}}",
-               c.name, c.x_label, c.y_label, c.logarithmic, list(c.x), list(c.y));
-  }
-  out << "\n]}\n";
+  out << Json{{"cases", cases}, {"curves", curves}}.dump(1) << "\n";
   out.close();
-  if (!out) {
-    std::cerr << "sunder-validate: cannot write " << path << "\n";
-    std::exit(2);
+  sunder::require(out.good(), "--json {}: cannot be written", path);
+}
+
+void run_case(Report& report, const Case& c, int threads) {
+  const std::size_t before = report.lines.size();
+  try {
+    c.run(report, threads);
+  } catch (const std::exception& e) {
+    report.add(c.name, std::nan(""), 0.0, 0.0, 0.0);
+    report.lines.push_back(fmt::format("{}: {}", c.name, e.what()));
   }
+  for (std::size_t i = before; i < report.lines.size(); ++i) fmt::print("  {}\n", report.lines[i]);
+}
+
+// The cases of a suite that were asked for: one by its name, the quick ones, or all.
+std::vector<Case> chosen(const Suites& suites, const std::string& suite, const std::string& only, bool quick) {
+  std::vector<Case> cases = suites.all.at(suite);
+  if (quick) {
+    std::set<std::string> left = kQuick.at(suite);
+    std::erase_if(cases, [&](const Case& c) { return left.erase(c.name) == 0; });
+    sunder::ensure(left.empty(), "{} quick cases are none of suite {}", left.size(), suite);
+  }
+  if (only.empty()) return cases;
+  if (suites.by_name.count(suite))
+    cases.insert(cases.end(), suites.by_name.at(suite).begin(), suites.by_name.at(suite).end());
+  std::vector<std::string> names;
+  for (const Case& c : cases) names.push_back(c.name);
+  std::erase_if(cases, [&](const Case& c) { return c.name != only; });
+  sunder::require(!cases.empty(), "--case {}: suite {} has no such case ({}); see --list", only, suite,
+                  sunder::did_you_mean(only, names));
+  return cases;
+}
+
+int run(int argc, char** argv) {
+  std::string suite, only, json;
+  int threads = 1;
+  bool quick = false, list = false;
+  CLI::App app("Compares computed values with exact and published ones.", "sunder-validate");
+  app.add_option("SUITE", suite, "Cases of one kind");
+  CLI::Option* one = app.add_option("--case", only, "Runs this case")->type_name("NAME")->take_last();
+  app.add_flag("--quick", quick, "Runs the cases that take seconds")->excludes(one);
+  app.add_option("--json", json, "Writes the rows here too")->type_name("FILE")->take_last();
+  app.add_option("--threads", threads, "Threads")->type_name("N")->check(CLI::PositiveNumber)->take_last();
+  app.add_flag("--list", list, "Prints the cases of every suite and ends");
+  app.footer("Exit status: 0 all pass, 1 a row fails, 2 bad arguments.");
+  if (!sunder::read_arguments(app, argc, argv)) return 0;
+  const Suites suites = all_suites();
+  std::vector<std::string> names;
+  for (const auto& [name, cases] : suites.all) names.push_back(name);
+  if (list) {
+    for (const auto& [name, cases] : suites.all) print_list(name, cases);
+    for (const auto& [name, cases] : suites.by_name) print_list(name + ", by name", cases);
+    return 0;
+  }
+  sunder::require(!suite.empty(), "give a SUITE; {}", sunder::did_you_mean("", names));
+  sunder::require(suites.all.count(suite) > 0, "SUITE {}: there is none of that name ({})", suite,
+                  sunder::did_you_mean(suite, names));
+  const std::vector<Case> cases = chosen(suites, suite, only, quick);
+  fmt::print("{:<34} {:>13} {:>13} {:>10} {:>9} {:>8}\n", "case", "computed", "reference", "error", "tolerance",
+             "seconds");
+  Report report;
+  for (const Case& c : cases) run_case(report, c, threads);
+  if (!json.empty()) write_json(json, report);
+  const bool pass = std::all_of(report.rows.begin(), report.rows.end(), [](const Row& r) { return r.pass(); });
+  return static_cast<int>(pass ? sunder::Exit::kDone : sunder::Exit::kCheckFailed);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string only, json;
-  int threads = 1;
-  std::map<std::string, std::vector<Case>> all{{"shells", static_cases()},     {"cracks", crack_cases()},
-                                               {"coupling", coupling_cases()}, {"contact", contact_cases()},
-                                               {"soft", soft_cases()},         {"seams", seam_cases()},
-                                               {"surfaces", surface_cases()}};
-  const std::map<std::string, std::vector<Case>> on_demand{{"coupling", long_coupling_cases()},
-                                                           {"contact", long_contact_cases()}};
-  for (const auto& more : {dynamic_cases(), transfer_cases()})
-    all["shells"].insert(all["shells"].end(), more.begin(), more.end());
-  for (const auto& more : {tip_cases(), bar_cases(), face_cases(), sensitivity_cases()})
-    all["cracks"].insert(all["cracks"].end(), more.begin(), more.end());
-  for (Case& more : fibre_cases()) all["contact"].push_back(std::move(more));
-  std::vector<Case> cases;
-  std::vector<Case> by_name;
-  std::set<std::string> quick;
-  if (argc > 1 && all.count(argv[1])) {
-    quick = kQuick.at(argv[1]);
-    cases = all[argv[1]];
-    if (on_demand.count(argv[1])) by_name = on_demand.at(argv[1]);
-    ++argv, --argc;
+  try {
+    return run(argc, argv);
+  } catch (const sunder::Error& e) {
+    std::cerr << "sunder-validate: " << e.what() << "\n";
+    return static_cast<int>(e.status);
+  } catch (const std::exception& e) {
+    std::cerr << "sunder-validate: " << e.what() << "\n";
+    return static_cast<int>(sunder::Exit::kPhysics);
   }
-  bool only_quick = false;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (option == "--quick")
-      only_quick = true;
-    else if (i + 1 < argc && option == "--case")
-      only = argv[++i];
-    else if (i + 1 < argc && option == "--json")
-      json = argv[++i];
-    else if (i + 1 < argc && option == "--threads")
-      threads = std::max(1, std::atoi(argv[++i]));
-    else {
-      std::cerr << "sunder-validate KIND [--case NAME | --quick] [--json FILE] [--threads N]\n";
-      for (const auto& [kind, list] : all) {
-        std::cerr << kind << ":\n";
-        for (const Case& c : list) std::cerr << fmt::format("  {:<18} {}\n", c.name, c.what);
-      }
-      return option == "--help" ? 0 : 2;
-    }
-  }
-  for (const Case& c : by_name)
-    if (c.name == only) cases.push_back(c);
-  if (only_quick) {
-    std::erase_if(cases, [&](const Case& c) { return quick.erase(c.name) == 0; });
-    if (!only.empty() || !quick.empty()) {
-      std::cerr << "sunder-validate: --quick goes with a suite and without --case, and " << quick.size()
-                << " of its cases are none of the suite\n";
-      return 2;
-    }
-  }
-  Report report;
-  bool found = false;
-  fmt::print("{:<34} {:>13} {:>13} {:>10} {:>9} {:>8}\n", "case", "computed", "reference", "error", "tolerance",
-             "seconds");
-  for (const Case& c : cases)
-    if (only.empty() || c.name == only) {
-      found = true;
-      const std::size_t before = report.lines.size();
-      try {
-        c.run(report, threads);
-      } catch (const std::exception& e) {
-        report.add(c.name, std::nan(""), 0.0, 0.0, 0.0);
-        report.lines.push_back(fmt::format("{}: {}", c.name, e.what()));
-      }
-      for (std::size_t i = before; i < report.lines.size(); ++i) fmt::print("  {}\n", report.lines[i]);
-    }
-  if (!found) {
-    std::cerr << "sunder-validate: no case '" << only << "'; there are:";
-    for (const Case& c : cases) std::cerr << " " << c.name;
-    std::cerr << "\n";
-    return 2;
-  }
-  if (!json.empty()) write_json(json, report);
-  bool pass = true;
-  for (const Row& r : report.rows) pass = pass && r.pass();
-  return pass ? 0 : 1;
 }

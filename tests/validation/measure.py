@@ -96,15 +96,23 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
 
 
 def case_names(what: str) -> tuple[str, ...]:
-    """Returns the names of all cases of a suite; empty for `engines` and `extremes`, whose rows are their cases. Raises
-    CommandError."""
+    """Returns the names of the cases of a suite; empty for `engines` and `extremes`, whose rows are their cases. Cases
+    that run only where they are named are left out; see cases_by_name. Raises CommandError."""
     if what in ("engines", "extremes"):
         return ()
-    told = subprocess.run([str(program("sunder-validate")), "--help"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          text=True, check=False).stdout
-    part = told.partition(f"\n{what}:\n")[2].splitlines()
-    compiled = [line.split()[0] for line in itertools.takewhile(lambda line: line.startswith("  "), part)]
-    return (*compiled, *(e.name for e in EXPERIMENTS.get(what, ())))
+    return (*_listed(what), *(e.name for e in EXPERIMENTS.get(what, ())))
+
+
+def cases_by_name(what: str) -> tuple[str, ...]:
+    """Returns the names of the cases of a suite that run only where they are named. Raises CommandError."""
+    return _listed(f"{what}, by name")
+
+
+def _listed(heading: str) -> tuple[str, ...]:
+    """The cases below a heading of `sunder-validate --list`."""
+    told = subprocess.run([str(program("sunder-validate")), "--list"], stdout=subprocess.PIPE, text=True, check=False).stdout
+    part = f"\n{told}".partition(f"\n{heading}:\n")[2].splitlines()
+    return tuple(line.split()[0] for line in itertools.takewhile(lambda line: line.startswith("  "), part))
 
 
 def _engines(case: str | None, report: Path | None, rigid: str | None) -> int:
