@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -37,35 +36,6 @@ double norm_of_free(const FreeDegrees& free, const std::vector<double>& force) {
 }
 
 }  // namespace
-
-TEST(FreeDegrees, AreThoseThatNoSupportHolds) {
-  const ShellModel m = strip({clamp(kUMin)}, {});
-  const FreeDegrees free = free_degrees(m, make_state(m, Vec3::Zero(), 0));
-  EXPECT_EQ(free.count, 3 * (m.tables.columns - 2) * m.tables.rows);  // both columns of the clamped edge are held
-  std::set<int> numbers;
-  for (int i = 0; i < m.control_points(); ++i)
-    for (int d = 0; d < 3; ++d) {
-      const int n = free.number[static_cast<std::size_t>(d) * m.tables.component_stride + m.tables.slot(i)];
-      EXPECT_EQ(n < 0, i % m.tables.columns < 2);
-      if (n >= 0) numbers.insert(n);
-    }
-  EXPECT_EQ(static_cast<int>(numbers.size()), free.count);
-  EXPECT_EQ(*numbers.rbegin(), free.count - 1);
-}
-
-TEST(FreeDegrees, OfWhatMovesTogetherAreOne) {
-  Support mirror;
-  mirror.edges = kVMin, mirror.clamped = false, mirror.symmetry = 1;
-  const ShellModel m = strip({clamp(kUMin), mirror}, {});
-  ASSERT_FALSE(m.constraints.tied[2].empty());
-  const FreeDegrees free = free_degrees(m, make_state(m, Vec3::Zero(), 0));
-  for (const auto& group : m.constraints.tied[2]) {
-    std::set<int> numbers;
-    for (const int slot : group)
-      numbers.insert(free.number[2 * static_cast<std::size_t>(m.tables.component_stride) + slot]);
-    EXPECT_EQ(numbers.size(), 1u);
-  }
-}
 
 // Bars and beams whose loads are so small that they answer linearly. Differences of the force leave 1e-6 of the
 // tangent.
