@@ -66,6 +66,12 @@ def includes(path: Path) -> list[str]:
     return re.findall(r'^#include [<"]([^">]+)[">]', path.read_text(), re.MULTILINE)
 
 
+def names_its_module(test: Path) -> bool:
+    """Whether a test, by its path below tests/, begins with the name of a module of the folder that it is for."""
+    modules_there = {p.stem for p in (TOP / test.parent).glob("*") if p.suffix in (".h", ".cpp")}
+    return any(f"{test.stem}_".startswith(f"{module}_") for module in modules_there)
+
+
 class House(unittest.TestCase):
     def test_includes_go_one_way(self) -> None:
         self.assertGreater(len(SOURCES), 50)
@@ -138,6 +144,19 @@ class House(unittest.TestCase):
     def test_what_users_copy_imports_sunder_only(self) -> None:
         for path in (TOP / "coupler" / "experiments").glob("*.py"):
             self.assertNotRegex(path.read_text(), r"sunder_(lab|tools)")
+
+    def test_a_test_of_cpp_has_the_name_of_its_module(self) -> None:
+        """tests/ROOM/FOLDER/X_test.cpp: X is a module of ROOM/FOLDER, or begins with one and '_'. Tests of several modules
+        are in tests/scenarios."""
+        tests = [path for room in ("shell", "rigid", "coupler") for path in (TOP / "tests" / room).rglob("*_test.cpp")]
+        self.assertGreater(len(tests), 80)
+        self.assertEqual([str(path.relative_to(TOP)) for path in tests if not names_its_module(path.relative_to(TOP / "tests"))], [])
+
+    def test_a_test_without_a_module_is_found(self) -> None:
+        for good in ("coupler/scene/validate_test.cpp", "coupler/scene/validate_seams_test.cpp", "coupler/link/rigid_link_test.cpp"):
+            self.assertTrue(names_its_module(Path(good)), good)
+        for bad in ("coupler/scene/crack_scene_test.cpp", "coupler/scene/validated_test.cpp", "coupler/none/load_test.cpp"):
+            self.assertFalse(names_its_module(Path(bad)), bad)
 
     def test_no_file_is_long(self) -> None:
         long = [f"{name}: {n}" for room in ("shell", "rigid", "coupler", "tests")

@@ -1,6 +1,5 @@
-// Supports with a release, lines of strength, seams with a strength, and fields: refusals, and the built model.
+// Lines of strength, and seams with a strength: refusals, and the built model.
 #include <cmath>
-#include <cstring>
 #include <map>
 
 #include "tests/coupler/small_scene.h"
@@ -25,15 +24,11 @@ const std::string kWing =
     "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 pose { position { x: 0.5 } } } }\n";
 
 sunder::shell::RunSetup built(const std::string& text) {
-  const std::string path = own_file("steering_scene.textproto");
+  const std::string path = own_file("lines_scene.textproto");
   std::ofstream(path) << text;
   const auto scene = sunder::scene::load(path, {});
   std::remove(path.c_str());
   return sunder::shell::build(scene);
-}
-
-std::string kept_until(const char* time, const char* edge = "U_MIN") {
-  return fmt::format("supports {{ edges: {} kind: CLAMPED until_s: {} }}", edge, time);
 }
 
 /// Number of Gauss points of a shell with each factor of strength, which must be one of those given.
@@ -45,77 +40,6 @@ std::map<double, int> points_of(const sunder::shell::ShellModel& m) {
 }
 
 }  // namespace
-
-TEST(SupportsUntilATime, AreBuilt) {
-  const auto setup = built(scene(kept_until("0.5") + kept_until("0.25", "V_MAX") + kept_until("0.5", "U_MAX")));
-  const auto& releases = setup.shells[0].model.releases;
-  ASSERT_EQ(releases.size(), 2u);
-  EXPECT_EQ(releases[0].from, 0.25);
-  EXPECT_EQ(releases[1].from, 0.5);
-  EXPECT_TRUE(releases[1].constraints.anchors.empty());
-  EXPECT_EQ(setup.last_change, 0.5);  // cracking does not end before
-}
-
-TEST(SupportsUntilATime, AreRefusedWhereTheTimeIsWrong) {
-  expect_refusal(scene(kept_until("0")), "shells[0].supports[0].until_s", {"must be positive"});
-  expect_refusal(scene(kept_until("nan")), "shells[0].supports[0].until_s", {"must be positive and finite"});
-  expect_refusal(scene(kept_until("1")), "shells[0].supports[0].until_s", {"the run ends at 1 s", "leave it out"});
-  expect_refusal(scene(kept_until("0.5"), "fracture { latest_freeze_s: 0.4 }"), "shells[0].supports[0].until_s",
-                 {"frozen at 0.4 s", "a later fracture.latest_freeze_s"});
-  EXPECT_EQ(refusal(scene(kept_until("0.5"), "fracture { latest_freeze_s: 0.6 }")).kind, "accepted");
-  // windows last 1e-4 s, and a support is released at the one that begins nearest
-  expect_refusal(scene(kept_until("4e-5")), "shells[0].supports[0].until_s",
-                 {"it would never hold", "give 5e-05 s or more"});
-  expect_refusal(scene(kept_until("0.99996")), "shells[0].supports[0].until_s",
-                 {"it would never be released", "leave it out"});
-  EXPECT_EQ(refusal(scene(kept_until("5e-5"))).kind, "accepted");
-  EXPECT_EQ(refusal(scene(kept_until("0.9999"))).kind, "accepted");
-}
-
-TEST(SupportsUntilATime, AreRefusedWhereNothingMoves) {
-  std::string text = scene(kept_until("0.5") + " equilibrium {}");
-  text.erase(text.find("bodies {"));
-  for (const char* moving : {"end_time_s: 1\n", "window_s: 1e-4\n"}) text.erase(text.find(moving), strlen(moving));
-  expect_refusal(text, "shells[0].supports[0].until_s", {"in this scene nothing moves", "leave it out"});
-}
-
-TEST(SupportsUntilATime, AreRefusedOnASeam) {
-  const auto with = [](const char* edge) {
-    return scene(fmt::format("supports {{ edges: {} kind: SIMPLY_SUPPORTED until_s: 0.5 }}", edge),
-                 kWing + "seams {}\n");
-  };
-  expect_refusal(with("V_MIN"), "shells[0].supports",
-                 {"are released at 0.5 s", "the seam between", "hold a part off the seam"});
-  EXPECT_EQ(refusal(with("U_MIN")).kind, "accepted");
-  EXPECT_EQ(
-      refusal(scene("supports { regions { low {} high { u: 0.3 } } kind: CLAMPED until_s: 0.5 }", kWing + "seams {}\n"))
-          .kind,
-      "accepted");
-}
-
-TEST(SupportsUntilATime, MayEndBesideATrimmedSeamAndOnIt) {
-  const auto trimmed = [](const std::string& support) {
-    std::string text = small_scene::kScene;
-    const std::string plate = "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }\n";
-    const std::size_t at = text.find(plate) + plate.size();
-    const std::string rest =
-        R"(  trims { points {} points { u: 0.3 } points { u: 0.35 v: 0.5 } points { v: 0.5 } points {} }
-)" + support +
-        R"(
-}
-shells {
-  name: "rest" material: "glass" thickness_m: 0.004
-  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 14 elements_y: 15 }
-  trims { points { u: 0.3 } points { u: 0.5 } points { u: 0.5 v: 0.5 } points { u: 0.35 v: 0.5 } points { u: 0.3 } }
-)";
-    return text.insert(at, rest) + "seams {}\n";
-  };
-  const std::string far = trimmed("supports { edges: U_MIN kind: CLAMPED until_s: 0.5 }");
-  EXPECT_EQ(refusal(far).kind, "accepted") << refusal(far).what();
-  const std::string on =  // ties follow the supports
-      trimmed("supports { regions { low { u: 0.25 } high { u: 0.4 v: 0.5 } } kind: CLAMPED until_s: 0.5 }");
-  EXPECT_EQ(refusal(on).kind, "accepted") << refusal(on).what();
-}
 
 TEST(StrengthLines, WeakenWhatIsWithinHalfTheirWidth) {
   const auto setup = built(
@@ -217,47 +141,4 @@ TEST(SeamStrengths, AreBuiltOrRefused) {
   expect_refusal(with("kind: OPEN strength: 1"), "seams.rules[0].strength", {"kind is OPEN", "leave one of them out"});
   expect_refusal(with("strength: 1", "coupling { scheme: ITERATED }\n"), "seams.rules[0].strength",
                  {"a pass that is repeated", "PROXY or EXPORTED"});
-}
-
-TEST(OutputFields, AreBuilt) {
-  const auto setup = built(scene("",
-                                 "output { fields: [STRESS, THICKNESS] probes { name: \"a\" shell: \"pane\" "
-                                 "fields: BENDING_MOMENT } probes { name: \"b\" shell: \"pane\" body: \"ball\" } }\n"));
-  using sunder::shell::FieldSet;
-  EXPECT_TRUE(setup.fields.has(FieldSet::kStress) && setup.fields.has(FieldSet::kThickness));
-  EXPECT_FALSE(setup.fields.has(FieldSet::kStrain));
-  ASSERT_EQ(setup.probes.size(), 2u);
-  EXPECT_TRUE(setup.probes[0].fields.has(FieldSet::kBendingMoment));
-  EXPECT_TRUE(setup.probes[1].is_pair());
-  EXPECT_TRUE(built(scene("")).fields.empty());
-}
-
-TEST(OutputFields, AreRefusedWhereNothingHasThem) {
-  const auto refused = [](const std::string& output, const std::string& field, const std::string& says) {
-    expect_refusal(scene("", "output { " + output + " }\n"), "output." + field, {says});
-  };
-  refused("fields: FIELD_UNSPECIFIED", "fields[0]", "name STRESS, STRAIN");
-  refused("fields: [STRESS, STRESS]", "fields[1]", "names STRESS twice");
-  refused("fields: PLASTIC_STRAIN", "fields[0]", "no shell's material has a yield_stress");
-  refused("probes { name: \"a\" shell: \"pane\" fields: BODY_MOTION }", "probes[0].fields[0]", "probe the body");
-  refused("probes { name: \"a\" body: \"ball\" fields: STRESS }", "probes[0].fields", "leave one out");
-  refused("probes { name: \"a\" shell: \"pane\" body: \"ball\" at { u: 0.1 } }", "probes[0].at",
-          "leave one of them out");
-  refused("probes { name: \"a\" shell: \"pain\" body: \"ball\" }", "probes[0].shell", "is no shell of this scene");
-  const std::string lump =
-      "materials { name: \"rubber\" density: 1000 youngs_modulus: 1e6 poisson_ratio: 0.45 }\n"
-      "soft_bodies { name: \"lump\" material: \"rubber\" sphere { radius_m: 0.05 } spacing_m: 0.01 "
-      "pose { position { x: 0.3 z: 0.1 } } }\n";
-  expect_refusal(scene("", lump + "output { probes { name: \"a\" shell: \"pane\" body: \"lump\" } }\n"),
-                 "output.probes[0].body", {"a soft body, whose contact with a shell is not measured"});
-}
-
-TEST(OutputFields, AreRefusedInScenesThatHaveNoShellOrNoBody) {
-  const std::string pane = kScene.substr(kScene.find("shells {"), kScene.find("bodies {") - kScene.find("shells {"));
-  std::string bodies = kScene, shells = kScene;
-  bodies.erase(bodies.find(pane), pane.size()), shells.erase(shells.find("bodies {"));
-  expect_refusal(bodies + "output { fields: STRESS }\n", "output.fields[0]",
-                 {"the scene has no shell", "leave it out"});
-  expect_refusal(shells + "output { fields: BODY_MOTION }\n", "output.fields[0]",
-                 {"no rigid body and no shell that breaks"});
 }

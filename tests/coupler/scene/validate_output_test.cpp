@@ -1,0 +1,68 @@
+// Fields of the output: refusals, and the built model.
+#include "tests/coupler/small_scene.h"
+
+namespace {
+
+using namespace small_scene;
+
+const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
+
+// The small scene with additional fields of the shell, the material and the scene.
+std::string scene(const std::string& shell, const std::string& more = "", const std::string& material = kStrong) {
+  std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
+  text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
+  return text + more;
+}
+
+sunder::shell::RunSetup built(const std::string& text) {
+  const std::string path = own_file("output_scene.textproto");
+  std::ofstream(path) << text;
+  const auto scene = sunder::scene::load(path, {});
+  std::remove(path.c_str());
+  return sunder::shell::build(scene);
+}
+
+}  // namespace
+
+TEST(OutputFields, AreBuilt) {
+  const auto setup = built(scene("",
+                                 "output { fields: [STRESS, THICKNESS] probes { name: \"a\" shell: \"pane\" "
+                                 "fields: BENDING_MOMENT } probes { name: \"b\" shell: \"pane\" body: \"ball\" } }\n"));
+  using sunder::shell::FieldSet;
+  EXPECT_TRUE(setup.fields.has(FieldSet::kStress) && setup.fields.has(FieldSet::kThickness));
+  EXPECT_FALSE(setup.fields.has(FieldSet::kStrain));
+  ASSERT_EQ(setup.probes.size(), 2u);
+  EXPECT_TRUE(setup.probes[0].fields.has(FieldSet::kBendingMoment));
+  EXPECT_TRUE(setup.probes[1].is_pair());
+  EXPECT_TRUE(built(scene("")).fields.empty());
+}
+
+TEST(OutputFields, AreRefusedWhereNothingHasThem) {
+  const auto refused = [](const std::string& output, const std::string& field, const std::string& says) {
+    expect_refusal(scene("", "output { " + output + " }\n"), "output." + field, {says});
+  };
+  refused("fields: FIELD_UNSPECIFIED", "fields[0]", "name STRESS, STRAIN");
+  refused("fields: [STRESS, STRESS]", "fields[1]", "names STRESS twice");
+  refused("fields: PLASTIC_STRAIN", "fields[0]", "no shell's material has a yield_stress");
+  refused("probes { name: \"a\" shell: \"pane\" fields: BODY_MOTION }", "probes[0].fields[0]", "probe the body");
+  refused("probes { name: \"a\" body: \"ball\" fields: STRESS }", "probes[0].fields", "leave one out");
+  refused("probes { name: \"a\" shell: \"pane\" body: \"ball\" at { u: 0.1 } }", "probes[0].at",
+          "leave one of them out");
+  refused("probes { name: \"a\" shell: \"pain\" body: \"ball\" }", "probes[0].shell", "is no shell of this scene");
+  const std::string lump =
+      "materials { name: \"rubber\" density: 1000 youngs_modulus: 1e6 poisson_ratio: 0.45 }\n"
+      "soft_bodies { name: \"lump\" material: \"rubber\" sphere { radius_m: 0.05 } spacing_m: 0.01 "
+      "pose { position { x: 0.3 z: 0.1 } } }\n";
+  expect_refusal(scene("", lump + "output { probes { name: \"a\" shell: \"pane\" body: \"lump\" } }\n"),
+                 "output.probes[0].body", {"a soft body, whose contact with a shell is not measured"});
+}
+
+TEST(OutputFields, AreRefusedInScenesThatHaveNoShellOrNoBody) {
+  const std::string pane = kScene.substr(kScene.find("shells {"), kScene.find("bodies {") - kScene.find("shells {"));
+  std::string bodies = kScene, shells = kScene;
+  bodies.erase(bodies.find(pane), pane.size()), shells.erase(shells.find("bodies {"));
+  expect_refusal(bodies + "output { fields: STRESS }\n", "output.fields[0]",
+                 {"the scene has no shell", "leave it out"});
+  expect_refusal(shells + "output { fields: BODY_MOTION }\n", "output.fields[0]",
+                 {"no rigid body and no shell that breaks"});
+}
