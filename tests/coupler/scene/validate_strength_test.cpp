@@ -1,7 +1,6 @@
 // Strengths and damage of a scene: refusals with field and remedy, and the built model.
 #include <png.h>
 
-
 #include "tests/coupler/small_scene.h"
 
 namespace {
