@@ -25,6 +25,7 @@ SCENE = REPOSITORY / "scenes" / "cut_pane.textproto"
 UNTIL_S = "0.0005"
 STUCK_S = 1800.0  # after which a process hangs, whatever else the machine does
 NOBODY = 65534
+LANGUAGE = "de_DE.UTF-8"
 
 
 class Environments(unittest.TestCase):
@@ -71,11 +72,26 @@ class Environments(unittest.TestCase):
         self.environment["TMPDIR"] = str(temporary)
         self.run_scene(checkout, out="Läufe/der erste")
 
-    def test_another_language_and_no_home(self) -> None:
-        del self.environment["HOME"]
+    def speak_german(self) -> None:
+        """Makes a language with a decimal comma, and gives it to the runs. Skips where its sources are missing."""
+        if shutil.which("localedef") is None:
+            self.skipTest("a decimal comma: localedef is not installed")
+        made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", str(self.here / "languages" / LANGUAGE)],
+                              capture_output=True, text=True, check=False)
+        self.environment["LOCPATH"] = str(self.here / "languages")
         for name in ("LC_ALL", "LC_NUMERIC", "LANG"):
-            self.environment[name] = "de_DE.UTF-8"  # its decimal comma, where the language is installed
+            self.environment[name] = LANGUAGE
+        point = subprocess.run(["locale", "decimal_point"], env=self.environment, capture_output=True, text=True, check=False)
+        if point.stdout.strip() != ",":
+            self.skipTest(f"a decimal comma: localedef made no {LANGUAGE}: {made.stderr.strip()} (Debian: locales)")
+
+    def test_another_language(self) -> None:
+        (self.here / "languages").mkdir()
+        self.speak_german()
         self.run_scene()
+
+    def test_no_language_and_no_home(self) -> None:
+        self.environment.pop("HOME", None)
         self.environment["LC_ALL"] = "C"
         self.run_scene(out="C")
 

@@ -59,7 +59,8 @@ class Sources(unittest.TestCase):
     def test_types_of_python(self) -> None:
         with tempfile.TemporaryDirectory() as cache:
             self.assertEqual(self.run_tool("mypy", "mypy", "--config-file", ".mypy.ini", "--cache-dir", cache,
-                                           "coupler/sunder_tools", "coupler/sunder_lab", "coupler/sunder.py"), "")
+                                           "coupler/sunder_tools", "coupler/sunder_lab", "coupler/sunder.py", "coupler/sunder_engine",
+                                           "proto/reference.py"), "")
 
 
 if __name__ == "__main__":
