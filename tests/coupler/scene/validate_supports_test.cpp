@@ -1,4 +1,4 @@
-// Supports that let go: refusals, and the built model.
+// Supports that are released: refusals, and the built model.
 #include <cstring>
 
 #include "tests/coupler/small_scene.h"
@@ -51,11 +51,11 @@ TEST(SupportsUntilATime, AreRefusedWhereTheTimeIsWrong) {
   expect_refusal(scene(kept_until("0.5"), "fracture { latest_freeze_s: 0.4 }"), "shells[0].supports[0].until_s",
                  {"frozen at 0.4 s", "a later fracture.latest_freeze_s"});
   EXPECT_EQ(refusal(scene(kept_until("0.5"), "fracture { latest_freeze_s: 0.6 }")).kind, "accepted");
-  // windows last 1e-4 s, and a support lets go at the one that begins nearest
+  // windows last 1e-4 s, and a support is released at the one that begins nearest
   expect_refusal(scene(kept_until("4e-5")), "shells[0].supports[0].until_s",
                  {"it would never hold", "give 5e-05 s or more"});
   expect_refusal(scene(kept_until("0.99996")), "shells[0].supports[0].until_s",
-                 {"it would never let go", "leave it out"});
+                 {"it would never be released", "leave it out"});
   EXPECT_EQ(refusal(scene(kept_until("5e-5"))).kind, "accepted");
   EXPECT_EQ(refusal(scene(kept_until("0.9999"))).kind, "accepted");
 }
@@ -73,7 +73,7 @@ TEST(SupportsUntilATime, AreRefusedOnASeam) {
                  kWing + "seams {}\n");
   };
   expect_refusal(with("V_MIN"), "shells[0].supports",
-                 {"let go at 0.5 s", "the seam between", "hold a part off the seam"});
+                 {"are released at 0.5 s", "the seam between", "hold a part off the seam"});
   EXPECT_EQ(refusal(with("U_MIN")).kind, "accepted");
   EXPECT_EQ(
       refusal(scene("supports { regions { low {} high { u: 0.3 } } kind: CLAMPED until_s: 0.5 }", kWing + "seams {}\n"))
@@ -81,7 +81,7 @@ TEST(SupportsUntilATime, AreRefusedOnASeam) {
       "accepted");
 }
 
-TEST(SupportsUntilATime, MayLetGoBesideATrimmedSeamAndOnIt) {
+TEST(SupportsUntilATime, MayBeReleasedBesideATrimmedSeamAndOnIt) {
   const auto trimmed = [](const std::string& support) {
     std::string text = small_scene::kScene;
     const std::string plate = "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }\n";
