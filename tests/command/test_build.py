@@ -87,6 +87,7 @@ class Building(unittest.TestCase):
         first_use.drawn()
         self.assertFalse(kept.exists(), "no program has been built")
         build.ensure_built()
+        first_use.tested(kept.parent)  # without a first picture: not of a first use
         self.assertEqual(list(first_use.read(kept.parent)), ["first_build_s", "first_build_steps"])
         self.assertEqual(first_use.read(kept.parent)["first_build_steps"], 2.0)
         first_use.installed(kept.parent, 24.04)
@@ -101,6 +102,11 @@ class Building(unittest.TestCase):
         first_use.installed(kept.parent, 1.0)
         first_use.drawn()
         self.assertEqual((first_use.read(kept.parent), first_use.made_with(kept.parent)), (before, made_with))
+        first_use.tested(kept.parent)
+        after = first_use.read(kept.parent)
+        self.assertEqual((list(after), first_use.made_with(kept.parent)), ([*first_use.KEYS, first_use.TEST_KEY], made_with))
+        first_use.tested(kept.parent)
+        self.assertEqual(first_use.read(kept.parent), after)
         kept.write_text("[")
         self.assertEqual((first_use.read(kept.parent), first_use.made_with(kept.parent)), ({}, {}))
 

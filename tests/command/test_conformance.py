@@ -155,11 +155,14 @@ class Testing(unittest.TestCase):
     def test_builds_with_cad_where_its_packages_can_be_had(self) -> None:
         with mock.patch.object(command, "ensure_node"), mock.patch.object(command, "ensure_installed"), \
                 mock.patch.object(command, "_ensure_viewer"), mock.patch.object(command, "ensure_built") as built, \
-                mock.patch.object(command.subprocess, "run") as run, mock.patch.dict(os.environ):
+                mock.patch.object(command.subprocess, "run") as run, mock.patch.dict(os.environ), \
+                mock.patch.object(command.first_use, "tested") as tested:
             os.environ.pop(BUILD_DIR_VARIABLE, None)
-            run.return_value.returncode = 0
-            self.assertEqual(sunder(["test"]), 0)
-            built.assert_called_once_with(all_targets=True, cad=True)
+            for status, arguments, times in ((0, ["-R", "vtp"], 0), (1, [], 0), (0, [], 1)):
+                run.return_value.returncode = status
+                self.assertEqual(sunder(["test", *arguments]), status)
+                self.assertEqual(tested.call_count, times, "of all tests, where they pass")
+            built.assert_called_with(all_targets=True, cad=True)
 
 
 class KnownFailures(unittest.TestCase):

@@ -182,7 +182,12 @@ class Reporting(unittest.TestCase):
             times = {"first_install_s": 50.0, "first_build_s": 700.5, "first_build_steps": 190.0, "first_picture_s": 900.0}
             (builds / "first_use.json").write_text(json.dumps({**times, "made_with": WITH}))
             self.assertEqual(self.report("first_use"), 0)
-        self.assertIn("| first_picture_s | 900 |", self.page("benchmarks"))
+            self.assertIn("| first_picture_s | 900 |", self.page("benchmarks"))
+            self.assertNotIn("first_test_s |", self.page("benchmarks"))
+            (builds / "first_use.json").write_text(json.dumps({**times, "first_test_s": 2000.0, "made_with": WITH}))
+            self.assertEqual(self.report("first_use"), 0)
+        self.assertIn("| first_test_s | 2000 |", self.page("benchmarks"))
+        self.assertIn("5 numbers in 2900 s.", self.page("benchmarks"))
         self.assertIn(f"| all | {WITH['commit']} |", self.page("benchmarks"))
         self.assertNotIn("first_use", results.status(results.read_all(self.top / "benchmarks" / "results")))
 

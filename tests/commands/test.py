@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from sunder_tools.command.parser import Subparsers, add_command
 from sunder_tools.errors import CHECK_FAILED, DONE, CommandError
+from sunder_tools.launch import first_use
 from sunder_tools.launch.build import build_dir, ensure_built
 from sunder_tools.launch.install import (BROWSER_PACKAGES, CAD_PACKAGES, LINT_PACKAGES, PLOT_PACKAGES, SLURM_PACKAGES,
                                          ensure_installed)
@@ -43,6 +44,8 @@ def run(arguments: argparse.Namespace) -> int:
     environment["PATH"] = "/usr/bin:/bin:" + environment.get("PATH", "")
     environment["OMP_WAIT_POLICY"] = "passive"  # tests run at once: threads that wait must leave the cores to the other
     status = subprocess.run(command, check=False, env=environment).returncode
+    if status == 0 and may_install and not arguments.ctest:
+        first_use.tested(build_dir().parent)
     return DONE if status == 0 else CHECK_FAILED
 
 

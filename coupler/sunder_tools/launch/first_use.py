@@ -1,4 +1,4 @@
-"""What the first use of a checkout takes: installing, building, and all until the first picture.
+"""What the first use of a checkout takes: installing, building, all until the first picture, and all tests.
 
 Kept in FILE of the folder that builds are made in, with the circumstances, for `sunder report first_use`. What is there
 already stays.
@@ -14,6 +14,7 @@ from ..report.machine import circumstances
 
 FILE = "first_use.json"
 KEYS = ("first_install_s", "first_build_s", "first_build_steps", "first_picture_s")  # s: seconds
+TEST_KEY = "first_test_s"  # of the second command, with its packages and what it builds; there once it has passed
 MADE_WITH = "made_with"
 _start = time.monotonic()  # of this process, nearly
 _built_in: Path | None = None  # by this process
@@ -36,11 +37,17 @@ def drawn() -> None:
         _write(_built_in, _all(_built_in) | {MADE_WITH: circumstances(_built_in / "release")})
 
 
+def tested(folder: Path) -> None:
+    """Keeps how long all tests took, with their packages and what they built, where the first picture was kept too."""
+    if MADE_WITH in _all(folder):
+        _keep(folder, **{TEST_KEY: time.monotonic() - _start})
+
+
 def read(folder: Path) -> dict[str, float]:
-    """What is kept, by KEYS; nothing where there is no such file."""
+    """What is kept, by KEYS and TEST_KEY; nothing where there is no such file."""
     try:
         kept = _all(folder)
-        return {key: float(kept[key]) for key in KEYS if key in kept}
+        return {key: float(kept[key]) for key in (*KEYS, TEST_KEY) if key in kept}
     except (ValueError, TypeError):
         return {}
 
