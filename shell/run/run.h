@@ -55,6 +55,12 @@ class Run {
     int ticks, n;             // of the engine's time; substeps
     double window, dt, last;  // [s]; `dt` of a substep, `last` of the one before the window
   };
+  /// Motion at the start of a window with shells: what the last frame of a run that fails in it shows.
+  struct WindowStart {
+    double time = -1.0;                     // [s]; negative: no such window is under way
+    std::vector<std::vector<double>> x, v;  // of each shell
+    std::vector<BodyMotion> bodies;
+  };
   void start();
   void window();
   // run_window.cpp: the kinds of windows, and what happens in one with shells, in this order
@@ -67,6 +73,8 @@ class Run {
   void note_push(double time);  // `time` [s]: the end of the window
   std::vector<RigidBody> hand_off_pieces(double dt);
   void close_books(double dt);
+  void keep_motion();              // at the start of a window
+  void write_last_frame();         // of a run that has failed in a window with shells
   void check_peer_and_progress();  // checks the peer and prints progress, now and then
   void finish(const char* status);
   void fail(const Error& error);
@@ -89,6 +97,7 @@ class Run {
   Recorder recorder_;
   std::unique_ptr<link::RigidLink> rigid_;
   const std::atomic<bool>* interrupted_ = nullptr;
+  WindowStart window_motion_;
   double dt_ = 0.0;                      // substep of the last window [s]
   double last_push_ = -1.0;              // time of the last contact of a moving body of the scene with the shell [s]
   std::int64_t next_mark_ = kFirstMark;  // [windows]

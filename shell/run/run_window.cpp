@@ -31,6 +31,7 @@ void Run::shell_window() {
   const double start = window_start_ = wall_clock(), update_before = times[Stage::kCrackUpdate];
   const double cracks_before = simulation_.crack_length();
   cut_and_release(steps);
+  keep_motion();
   coupler_.open_window(steps.window);
   take_substeps(steps);
   coupler_.check_ledger(steps.window, steps.dt);
@@ -39,9 +40,35 @@ void Run::shell_window() {
   coupler_.exchange(steps.ticks, steps.window, births);
   close_books(steps.dt);
   coupler_.adapt_window(books_.scale);
+  window_motion_.time = -1.0;
   if (simulation_.crack_length() <= cracks_before) return;
   recorder_.growth().wall += wall_clock() - start;
   recorder_.growth().crack_update += times[Stage::kCrackUpdate] - update_before;
+}
+
+void Run::keep_motion() {
+  const State& state = simulation_.state;
+  window_motion_.x.resize(state.shells.size()), window_motion_.v.resize(state.shells.size());
+  for (std::size_t k = 0; k < state.shells.size(); ++k) {
+    if (!state.shells[k].state) continue;
+    window_motion_.x[k] = state.shells[k].state->motion.x;
+    window_motion_.v[k] = state.shells[k].state->motion.v;
+  }
+  window_motion_.bodies.clear();
+  for (const Proxy& p : state.bodies) window_motion_.bodies.push_back(p.body.motion);
+  window_motion_.time = clock_.time();
+}
+
+void Run::write_last_frame() {
+  State& state = simulation_.state;
+  if (window_motion_.time < 0.0 || !state.solving() || window_motion_.bodies.size() != state.bodies.size()) return;
+  for (std::size_t k = 0; k < state.shells.size(); ++k) {
+    if (!state.shells[k].state) continue;
+    state.shells[k].state->motion.x = window_motion_.x[k];
+    state.shells[k].state->motion.v = window_motion_.v[k];
+  }
+  for (std::size_t k = 0; k < state.bodies.size(); ++k) state.bodies[k].body.motion = window_motion_.bodies[k];
+  recorder_.write_frame(window_motion_.time);
 }
 
 // The substep does not depend on the length of the window.

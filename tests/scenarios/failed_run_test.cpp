@@ -1,0 +1,72 @@
+// A run that fails keeps a frame of the last window whose start was sound.
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "coupler/link/host.h"
+#include "coupler/scene/load.h"
+#include "rigid/engine/free_flight.h"
+#include "shell/run/run.h"
+#include "tests/temporary_folder.h"
+
+using namespace sunder;
+
+namespace {
+
+const std::string kScene =
+    "name: \"doomed\" end_time_s: 1e-3 window_s: 2e-6 gravity {}\n"
+    "materials { name: \"pane\" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 }\n"
+    "shells { name: \"pane\" material: \"pane\" thickness_m: 0.003\n"
+    "  plate { size_x_m: 0.08 size_y_m: 0.08 elements_x: 8 elements_y: 8 } }\n"
+    "bodies { name: \"ball\" material: \"pane\" sphere { radius_m: 0.02 } pose { position { z: 0.05 } }\n"
+    "  twist { linear { z: -1 } } }\n"
+    "output { frame_interval_s: 1e9 checkpoint_interval_s: 0 }\n";
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// The kind of the error with which the run ends, in whose window 4 a speed becomes NaN.
+std::string run_in(const std::string& folder) {
+  std::ofstream(folder + "/scene.textproto") << kScene;
+  const auto scene = scene::load(folder + "/scene.textproto", {});
+  rigid::FreeFlight engine;
+  shell::RunOptions options;
+  options.out = folder, options.quiet = true, options.scene_hash = scene.hash;
+  options.connect = [&](const shell::RunOptions&) { return std::make_unique<link::EngineHost>(engine); };
+  options.tamper = [](std::int64_t window, std::vector<shell::Proxy>& bodies) {
+    if (window == 4) bodies[0].body.motion.velocity.x() = std::numeric_limits<double>::quiet_NaN();
+  };
+  const std::atomic<bool> never{false};
+  try {
+    shell::Run(shell::build(scene), options).execute(never);
+  } catch (const Error& e) {
+    return e.kind;
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST(FailedRun, KeepsAFrameOfTheStartOfItsLastWindow) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_in(folder.path), "ledger");
+  const std::string list = contents(folder.path + "/frames.pvd");
+  const std::size_t last = list.rfind("timestep=\"");
+  ASSERT_NE(last, std::string::npos) << list;
+  EXPECT_NEAR(std::stod(list.substr(last + 10)), 4 * 2e-6, 1e-15) << list;
+  EXPECT_NE(contents(folder.path + "/run.json").find("\"failed\""), std::string::npos);
+  const std::string nan("\0\0\0\0\0\0\xf8\x7f", 8);  // as frames store it
+  int frames = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder.path + "/frames")) {
+    EXPECT_EQ(contents(file).find(nan), std::string::npos) << file.path();
+    ++frames;
+  }
+  EXPECT_GE(frames, 4);  // shell and bodies, at the start and now
+}
