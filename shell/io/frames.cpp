@@ -11,6 +11,7 @@
 
 #include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
+#include "shell/io/probes.h"
 #include "shell/io/vtp.h"
 #include "shell/solver/cracking/insertion.h"
 
@@ -424,6 +425,7 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
       const ContactOverTime& contact = k < fields.contact.size() ? fields.contact[k] : none;
       append(shell, shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact), static_cast<int>(k));
       shell.shell_names.push_back(shells[k].model->name);
+      shell.shell_areas.push_back(surface_area(*shells[k].model, *shells[k].state).second);
       append(cracks, crack_mesh(*shells[k].model, *shells[k].state), static_cast<int>(k));
     }
     cracks.shell_names = shell.shell_names;

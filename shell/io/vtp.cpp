@@ -36,7 +36,7 @@ std::string data_array(Appended& data, const VtpArray& a) {
                     a.unit);
 }
 
-// The time, under the name that ParaView looks for, and names of shells: letters as numbers, a zero after each.
+// The time, under the name that ParaView looks for, names of shells, letters as numbers, a zero after each, and areas.
 std::string field_data(const VtpMesh& mesh) {
   std::string out = fmt::format(
       "<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{:.17g}"
@@ -50,6 +50,12 @@ std::string field_data(const VtpMesh& mesh) {
       out += "0\n";
     }
     out += "</Array>\n";
+  }
+  if (!mesh.shell_areas.empty()) {
+    out += fmt::format("<DataArray type=\"Float64\" Name=\"shell_area_m2\" NumberOfTuples=\"{}\" format=\"ascii\">",
+                       mesh.shell_areas.size());
+    for (const double area : mesh.shell_areas) out += fmt::format("{:.17g} ", area);
+    out += "</DataArray>\n";
   }
   return out + "</FieldData>\n";
 }

@@ -139,6 +139,18 @@ class Fields(unittest.TestCase):
         self.assertAlmostEqual(float(bodies.of_triangles("mass_kg", 0.0)[0]), 7800 * 4 / 3 * np.pi * 0.02**3, places=9)
         self.assertEqual(bodies.point_data["velocity"].shape, bodies.points.shape)
 
+    def test_each_frame_has_the_area_that_its_triangles_have(self) -> None:
+        out = self.folder / "out"
+        frames = list_frames(out)
+        for frame in frames:
+            head = frame.files[SHELL].read_bytes().partition(b"<AppendedData")[0].decode()
+            found = {a.get("Name"): str(a.text) for a in ElementTree.fromstring(head + "</VTKFile>").iter("DataArray")}
+            area, shell = float(found["shell_area_m2"]), frame.read(SHELL)
+            assert shell is not None
+            self.assertLess(abs(float(areas(shell).sum()) / area - 1.0), 1e-4, frame.time_s)  # flat triangles of a bent pane
+        book = json.loads((out / "run.json").read_text())
+        self.assertAlmostEqual(area, book["surface"]["now_m2"], places=12)
+
     def test_nothing_is_there_where_nothing_is_asked_for(self) -> None:
         bare = self.folder.parent / "bare"
         bare.mkdir()
