@@ -7,6 +7,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <utility>
 
 #include <benchmark/benchmark.h>
@@ -39,14 +40,17 @@ struct Sheet {
   double layer_points;
 };
 
+constexpr double kElement = 5e-3;  // [m]
+
 // A glass-like sheet of square elements, bent and stretched a little, so that no branch is the trivial one.
-std::unique_ptr<Sheet> sheet(int across, int along, double strength = 0.0, double strain = 1e-4, int degree = 2) {
+std::unique_ptr<Sheet> sheet(int across, int along, double strength = 0.0, double strain = 1e-4, int degree = 2,
+                             const TrimLoops& trim = {}) {
   ShellMaterial g;
   g.density = 2500, g.youngs_modulus = 70e9, g.poisson_ratio = 0.22, g.strength = strength, g.fracture_energy = 1e6;
-  const double h = 5e-3;
+  const double h = kElement;
   auto s = std::make_unique<Sheet>(
       Sheet{make_shell("sheet", plate(h * across, h * along, across, along, Vec3::Zero(), Quat::Identity(), degree),
-                       4e-3, g, kLayers, degree, {}),
+                       4e-3, g, kLayers, degree, {}, {}, trim),
             {},
             0.0});
   s->state = make_state(s->model, Vec3::Zero(), 1);
@@ -59,6 +63,30 @@ std::unique_ptr<Sheet> sheet(int across, int along, double strength = 0.0, doubl
   }
   s->layer_points = static_cast<double>(s->model.tables.gauss_points()) * kLayers;
   return s;
+}
+
+// The circle in a square sheet of `elements` along a side that leaves a margin of a tenth of it.
+TrimLoops circle(int elements) {
+  const double side = kElement * elements;
+  const int corners = 8 * elements;
+  TrimLoop loop;
+  for (int k = 0; k <= corners; ++k) {
+    const double angle = 2.0 * std::numbers::pi * (k % corners) / corners;
+    loop.points.push_back(Vec2::Constant(0.5 * side) + 0.4 * side * Vec2(std::cos(angle), std::sin(angle)));
+  }
+  return TrimLoops(Vec2::Zero(), Vec2::Constant(side), {loop});
+}
+
+// Gauss points beside the loop of a trimmed sheet, and those inside that are summed by rows.
+std::pair<double, double> border_and_inner(const Sheet& s) {
+  const RowTables& t = s.model.tables;
+  double border = 0.0, inner = 0.0;
+  for (const GatheredPoint& g : s.state.cracked.gathered) border += g.kind != PointKind::kDead;
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e)
+      inner += s.state.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + e] < 0 &&
+               t.metric[t.at(q, kMetricFields, kArea, e)] > 0.0;
+  return {border, inner};
 }
 
 void force(benchmark::State& b, Sheet& s, int threads) {
@@ -189,11 +217,12 @@ class Minima : public benchmark::ConsoleReporter {
   }
 };
 
-constexpr const char* kKernels[] = {"force_10k",    "force_160k",   "force_1250k", "force_cubic",
-                                    "force_scalar", "force_damage", "force_sound", "force_cut",
-                                    "step_1",       "step_2",       "fma",         "triad"};
+constexpr const char* kKernels[] = {"force_10k",    "force_160k",  "force_1250k", "force_cubic", "force_scalar",
+                                    "force_damage", "force_sound", "force_cut",   "force_trim",  "step_1",
+                                    "step_2",       "fma",         "triad"};
 
-constexpr bench::Goal kKernelGoals[] = {{"force_ns_per_layer_point_mls", 12.0, "ns"}};
+constexpr bench::Goal kKernelGoals[] = {{"force_ns_per_layer_point_mls", 12.0, "ns"},
+                                        {"trimmed_border_point_ratio", 1.5, "times a point within"}};
 
 bool chosen(const std::string& name, const std::string& filter) { return name.find(filter) != std::string::npos; }
 
@@ -208,6 +237,7 @@ void measure_kernels(const std::string& filter, std::map<std::string, double>& o
   const auto cut = sheet(60, 60);
   for (int k = 1; k < 15; ++k)
     insert_polyline(cut->model, cut->state, {{0.02 * k, 0.013}, {0.02 * k + 0.011, 0.287}}, 0.0);
+  const auto round = sheet(60, 60, 0.0, 1e-4, 2, circle(60));
   const auto add = [&](const std::string& name, auto&& f) {
     ensure(std::count(std::begin(kKernels), std::end(kKernels), name) == 1, "{} is not in the list", name);
     if (!chosen(name, filter)) return;
@@ -225,6 +255,7 @@ void measure_kernels(const std::string& filter, std::map<std::string, double>& o
   add("force_damage", [&](benchmark::State& b) { force(b, *damaged, 1); });
   add("force_sound", [&](benchmark::State& b) { force(b, *sound, 1); });
   add("force_cut", [&](benchmark::State& b) { force(b, *cut, 1); });
+  add("force_trim", [&](benchmark::State& b) { force(b, *round, 1); });
   add("step_1", [&](benchmark::State& b) { whole_substep(b, *middle, 1); });
   add("step_2", [&](benchmark::State& b) { whole_substep(b, *middle, 2); });
   add("fma", multiply_add);
@@ -254,6 +285,13 @@ void measure_kernels(const std::string& filter, std::map<std::string, double>& o
     const double gathered = static_cast<double>(cut->state.cracked.gathered.size()) * kLayers;
     out["force_ns_per_layer_point_mls"] =
         1e9 * (seconds("force_cut") - seconds("force_sound") * (1.0 - gathered / cut->layer_points)) / gathered;
+  }
+  if (seconds("force_trim") > 0.0 &&
+      seconds("force_sound") > 0.0) {  // rows of the round sheet compute what is outside too
+    const double point = seconds("force_sound") * kLayers / sound->layer_points;
+    const auto [border, inner] = border_and_inner(*round);
+    out["trimmed_border_point_ratio"] = (seconds("force_trim") / point - inner) / border;
+    out["trimmed_point_ratio"] = seconds("force_trim") / point / (border + inner);
   }
   if (seconds("fma") > 0.0) out["fma_peak_gflops"] = 1e-9 * minima.counter["fma"] / seconds("fma");
   if (seconds("triad") > 0.0) out["memory_gb_per_s"] = 1e-9 * minima.counter["triad"] / seconds("triad");
