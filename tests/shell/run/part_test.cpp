@@ -135,7 +135,7 @@ TEST(ShellPart, DrawsKnotsOnlyWherePiecesLeave) {
   EXPECT_GT(full->vertices.size(), bare->vertices.size() + 20);
 }
 
-TEST(ShellPart, RemembersWhichPiecesWithoutControlPointsHaveGone) {
+TEST(ShellPart, RemembersWhichPiecesWithoutControlPointsWereHandedOff) {
   Sheet sheet;
   sheet.cut(kTriangle);
   PartPieces now;
@@ -146,9 +146,9 @@ TEST(ShellPart, RemembersWhichPiecesWithoutControlPointsHaveGone) {
   EXPECT_FALSE(now.pieces[inner].control_points.empty());
   sheet.part.add_rubble(*now.triangulation, inner);
   sheet.part.mark_rubble(now);
-  EXPECT_FALSE(now.pieces[inner].gone);  // its control points tell
+  EXPECT_FALSE(now.pieces[inner].handed_off);  // its control points tell
   for (Piece& p : now.pieces) p.control_points.clear();
   sheet.part.mark_rubble(now);
-  EXPECT_TRUE(now.pieces[inner].gone);
-  EXPECT_FALSE(now.pieces[1 - inner].gone);
+  EXPECT_TRUE(now.pieces[inner].handed_off);
+  EXPECT_FALSE(now.pieces[1 - inner].handed_off);
 }
