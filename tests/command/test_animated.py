@@ -10,10 +10,14 @@ from sunder_tools.errors import CommandError
 from sunder_tools.pictures.animated import animated_glb
 from sunder_tools.pictures.between import ends, film_frames
 from sunder_tools.pictures.frames import BODIES, SHELL, Frame, list_frames
+from sunder_tools.pictures.look import Look
 from sunder_tools.pictures.mesh import mesh_of
+from sunder_tools.pictures.meshes import Scene, load_scene
+from sunder_tools.pictures.raster import perspective_camera
 from sunder_tools.pictures.rigid import centre_of, fit, quaternion, share_of_turn, turn_of
 from sunder_tools.pictures.story import story_of
 from sunder_tools.pictures.usda import identifier, usda_text
+from sunder_tools.pictures.views import draw_scene
 from sunder_tools.report.scene_text import Words, parse_text, words_of
 
 from .mesh_files import Animated
@@ -117,8 +121,9 @@ class WholeRuns(OfARun):
 
 
 class Parting(InAFolder):
-    """A plate of two squares turns and flies; the right one parts from it at frame 2 and is a body from frame 3 on."""
-    SPIN, SPEED, STEP, THICK = 30.0, np.array([1.0, 0.5, -2.0]), 1e-3, 0.01
+    """A plate of two squares turns and flies; the right one parts from it at frame 2 and is a body from frame 3 on. The left
+    one is a frozen body from frame FREEZES on."""
+    SPIN, SPEED, STEP, THICK, FREEZES = 30.0, np.array([1.0, 0.5, -2.0]), 1e-3, 0.01, 6
 
     def setUp(self) -> None:
         super().setUp()
@@ -127,8 +132,8 @@ class Parting(InAFolder):
         entries = []
         for k in range(6):
             self.write(k)
-            entries += [f'<DataSet timestep="{k * self.STEP!r}" part="{p}" file="frames/{n}_{k}.vtp"/>' for p, n in ((0, "shell"),
-                                                                                                                  (2, "bodies"))]
+            entries += [f'<DataSet timestep="{k * self.STEP!r}" part="{p}" file="frames/{n}_{k}.vtp"/>'
+                        for p, n in ((0, "shell"), (2, "bodies")) if p or k < self.FREEZES]
         (self.folder / "frames.pvd").write_text(f"<VTKFile><Collection>{''.join(entries)}</Collection></VTKFile>")
         self.frames = list_frames(self.folder)
         self.film = Animated(animated_glb(story_of(self.frames, self.words, {}), np.arange(6.0), {}))
@@ -155,15 +160,28 @@ class Parting(InAFolder):
         write_vtp(self.folder / f"frames/shell_{k}.vtp", now, triangles, floats="f8",
                   point_data={"velocity": velocity, "displacement": now - rest},
                   cell_data={"fragment": np.array(piece, float), "damage": np.zeros(len(piece)), "shell": np.zeros(len(piece))})
-        points, faces = np.zeros((0, 3)), np.zeros((0, 3), int)
-        if k >= 3:
-            up = np.array([0, 0, 0.5 * self.THICK])
-            points = np.stack([right - up, right + up], axis=1).reshape(-1, 3)
-            faces = np.concatenate([2 * square + 1, 2 * square[:, ::-1], *(
-                [[2 * a, 2 * b, 2 * b + 1], [2 * a, 2 * b + 1, 2 * a + 1]] for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)))])
-            points, _ = self.placed(points, time)
-        write_vtp(self.folder / f"frames/bodies_{k}.vtp", points, faces, floats="f8",
-                  cell_data={"body": np.full(len(faces), 2.0), "kind": np.ones(len(faces))})
+        leaving = [(2.0, 1.0, right)] if k >= 3 else []
+        leaving += [(1.0, 3.0, left)] if k >= self.FREEZES else []
+        points, faces, body, kind = [np.zeros((0, 3))], [np.zeros((0, 3), int)], [np.zeros(0)], [np.zeros(0)]
+        for number, sort, corners in leaving:
+            faces.append(thick_square() + sum(map(len, points)))
+            points.append(self.thick(corners, time))
+            body.append(np.full(len(faces[-1]), number))
+            kind.append(np.full(len(faces[-1]), sort))
+        write_vtp(self.folder / f"frames/bodies_{k}.vtp", np.concatenate(points), np.concatenate(faces), floats="f8",
+                  cell_data={"body": np.concatenate(body), "kind": np.concatenate(kind)})
+
+    def thick(self, corners: np.ndarray, time: float) -> np.ndarray:
+        """Points of both faces (2n, 3) [m] of a square, inside before outside."""
+        up = np.array([0, 0, 0.5 * self.THICK])
+        return self.placed(np.stack([corners - up, corners + up], axis=1).reshape(-1, 3), time)[0]
+
+
+def thick_square() -> np.ndarray:
+    """Triangles of both faces and the edge of a square."""
+    square = np.array([[0, 1, 2], [0, 2, 3]])
+    return np.concatenate([2 * square + 1, 2 * square[:, ::-1], *(
+        [[2 * a, 2 * b, 2 * b + 1], [2 * a, 2 * b + 1, 2 * a + 1]] for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)))])
 
 
 class HandOff(Parting):
@@ -189,6 +207,13 @@ class HandOff(Parting):
             if k == 3:  # the piece leaves: its centre goes on without a step
                 np.testing.assert_allclose(self.film.centre("pane_piece_2", 3 - 1e-5), self.film.centre("pane_piece_2", 3.0),
                                            atol=1e-4 * self.STEP * 10 + SINGLE)
+
+    def test_pictures_draw_the_same_faces_of_the_shell_and_of_the_shard(self) -> None:
+        for k in range(2, 6):
+            drawn = corners_drawn(load_scene(self.frames[k], Look(glass=(True,), thickness=(self.THICK,))))
+            gap = np.array([[0, 0, 0], [0.998, 0, 0], [0.998, 1, 0], [0, 1, 0], [1.002, 0, 0], [2, 0, 0], [2, 1, 0], [1.002, 1, 0]])
+            wanted = np.concatenate([self.thick(part, k * self.STEP)[thick_square()] for part in (gap[:4], gap[4:])])
+            np.testing.assert_allclose(*map(in_order, (drawn, wanted)), atol=1e-9)
 
     def test_what_bends_has_morph_targets(self) -> None:
         """Frames 0 and 1 have the same triangles: half way the points are half way."""
@@ -228,6 +253,55 @@ class HandOff(Parting):
         self.assertEqual((mesh.types["points"], mesh.meta["normals.interpolation"]), ("point3f[]", "vertex"))
         self.assertEqual({float(t) for t in mesh.values["points"]}, {0, 1, 2})
         np.testing.assert_allclose(np.array(mesh.values["primvars:rest"])[:, 2].max(), 0.5 * self.THICK, atol=1e-9)
+
+
+class Freezing(Parting):
+    """The same, but the left square freezes at frame 4."""
+    FREEZES = 4
+
+    def test_a_piece_keeps_its_node_and_nothing_pops(self) -> None:
+        self.assertEqual(sorted(n for n in self.film.names if "_shape_" not in n), ["pane", "pane_piece_1", "pane_piece_2"])
+        bent = (self.SPIN * self.STEP) ** 2 * 0.5 * 1.6  # of the corner that is farthest from the axis
+        before, after = (self.film.seen("pane_piece_1", time) for time in (4 - 1e-5, 4.0))
+        self.assertEqual(set(before), set(after))
+        for material in before:
+            apart = np.linalg.norm(before[material].reshape(-1, 3)[:, None] - after[material].reshape(-1, 3)[None], axis=2)
+            self.assertLess(float(max(apart.min(axis=0).max(), apart.min(axis=1).max())), 2.0 * bent + 1e-4, material)
+
+
+class Standing(Parting):
+    """The same, at rest: whatever a picture shows of hand-off and freezing is a fault of the picture."""
+    SPIN, SPEED, FREEZES = 0.0, np.zeros(3), 4
+
+    def test_no_picture_shows_hand_off_or_freezing(self) -> None:
+        for scene in ('shells { name: "pane" material: "glass" thickness_m: 0.01 }',
+                      'shells { name: "pane" material: "clay" thickness_m: 0.01 }'):
+            words = words_of(parse_text(scene), [])
+            look = Look(glass=words.glass, thickness=words.thickness, part_of={1: 0, 2: 0})
+            scenes = [load_scene(self.frames[k], look) for k in (2, 3, 4)]
+            camera = perspective_camera(np.array([0.0, 0.0, -0.2]), np.array([2.0, 1.0, 0.2]), np.array([-0.42, 0.8, -0.46]),
+                                        400, 300)
+            parted, handed, frozen = (draw_scene(one, camera, 400, 300) for one in scenes)
+            self.assertGreater(parted.std(), 0.02)
+            for other in (handed, frozen):
+                changed = np.abs(parted - other).max(axis=2) > 1.0 / 255.0
+                self.assertLess(changed.mean(), 1e-3, "but for pixels of lines")
+            thin = draw_scene(load_scene(self.frames[2], Look(glass=words.glass)), camera, 400, 300)
+            self.assertGreater((np.abs(parted - thin).max(axis=2) > 0.02).mean(), 2e-3, "the thickness is not seen")
+
+
+def corners_drawn(scene: Scene) -> np.ndarray:
+    """Corners (m, 3, 3) [m] of all triangles."""
+    return np.concatenate([surface.points[surface.triangles] for surface in (scene.glass, scene.solid)])
+
+
+def in_order(corners: np.ndarray) -> np.ndarray:
+    """Triangles (m, 9) in the order of their places; each begins with its first corner in that order."""
+    turned = []
+    for triangle in corners.round(7):
+        first = min(range(3), key=lambda k: tuple(triangle[k]))
+        turned.append(np.roll(triangle, -first, axis=0).ravel())
+    return np.array(sorted(map(tuple, turned)))
 
 
 class Rotations(unittest.TestCase):

@@ -27,7 +27,7 @@ class Shards(unittest.TestCase):
         other = len(points)
         both = np.concatenate([points, points + np.array([1.0, 0.0, 0.0])])
         body = np.repeat([7, 9], len(triangles))
-        drawn, corners, smooth = _shaded_shards(both, np.concatenate([triangles, triangles + other]), body)
+        drawn, corners, smooth, _ = _shaded_shards(both, np.concatenate([triangles, triangles + other]), body)
         self.assertTrue(np.array_equal(drawn[corners], both[np.concatenate([triangles, triangles + other])]))
         odd = (np.concatenate([triangles, triangles]) % 2).sum(axis=1)
         outside, inside, edge = smooth[corners[odd == 3]], smooth[corners[odd == 0]], smooth[corners[(odd == 1) | (odd == 2)]]
@@ -40,7 +40,7 @@ class Shards(unittest.TestCase):
 
     def test_a_fold_stays_sharp(self) -> None:
         points, triangles = arc(3.0, parts=2)  # two flat halves that turn by 86 degrees
-        _, corners, smooth = _shaded_shards(points, triangles, np.zeros(len(triangles), int))
+        _, corners, smooth, _ = _shaded_shards(points, triangles, np.zeros(len(triangles), int))
         self.assertFalse(smooth[corners].any())
 
     def test_the_mass_lies_on_the_middle_surface(self) -> None:

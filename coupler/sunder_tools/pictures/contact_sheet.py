@@ -121,7 +121,7 @@ def stand(scene: Scene, ground: Ground) -> None:
     scene.ground = ground
     if scene.floor_z == ground.z:
         kept = ~scene.solid.is_floor
-        for name in ("triangles", "colours", "round_centre", "throws", "is_floor"):
+        for name in ("triangles", "colours", "round_centre", "throws", "closed", "edge", "is_floor"):
             setattr(scene.solid, name, getattr(scene.solid, name)[kept])
 
 

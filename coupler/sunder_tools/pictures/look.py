@@ -20,12 +20,13 @@ class Look:
     glass: tuple[bool, ...] = ()
     part_of: dict[int, int] = field(default_factory=dict)
     fastest: float = 1.0  # [m/s], end of the colour scale of speed
+    thickness: tuple[float, ...] = ()  # [m] of each shell
 
     @staticmethod
     def of(folder: Path, by: str = "part", fastest: float = 1.0) -> "Look":
         """Makes the colouring for the run in `folder`; with less knowledge where its scene is not found."""
         words = scene_words(folder)
-        return Look(by, words.glass, origins(folder, words), fastest)
+        return Look(by, words.glass, origins(folder, words), fastest, words.thickness)
 
 
 def origins(folder: Path, words: Words) -> dict[int, int]:

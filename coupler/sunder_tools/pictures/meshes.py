@@ -10,8 +10,9 @@ from .ground import Ground
 from .look import Look, parts_of_bodies
 from .motion import shell_velocity
 from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
+from .sheets import sheet_of, sides_of_pieces
 from .soft import balls, colours as soft_colours, speeds
-from .thick import CREASE_COSINE, vertex_normals
+from .thick import CREASE_COSINE, EDGE, INSIDE, OTHER, vertex_normals
 from .vtp import PolyData
 
 WELD_M = 1e-6  # nearer points are one when lines are searched
@@ -20,6 +21,8 @@ LONGEST_STATIC_M = 0.12  # static triangles are divided to this size, so that no
 STEEL = np.array([0.58, 0.60, 0.63])
 FLOOR = np.array([0.87, 0.87, 0.86])
 DEBRIS = np.array([0.66, 0.69, 0.71])  # shards of an unknown shell of several
+CLEAR, COLOURED = 0.30, 0.70  # opacity of glass: as it is, and with the colours of a quantity
+VARIED = 0.08  # lightness of pieces, by their id: a piece keeps its colour from the shell to its rest
 PALE = np.array([0.90, 0.92, 0.92])    # the largest fragment
 
 
@@ -31,7 +34,9 @@ class Surface:
     colours: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))         # per triangle, 0..1
     round_centre: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))    # per triangle [m]
     is_floor: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))       # per triangle
-    throws: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))         # per triangle: a shadow on the floor
+    throws: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))         # per triangle: a shadow
+    closed: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))         # per triangle: its back is never seen
+    edge: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))           # per triangle: of the edge of a sheet
     smooth: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))          # per point: unit normal, zero or NaN where flat
 
     def normals(self) -> np.ndarray:
@@ -52,9 +57,10 @@ class Scene:
     shards: np.ndarray      # (n, 3) corners of shards and soft bodies [m]
     moving: np.ndarray      # (n, 3) corners of the scene's own moving bodies [m]
     floor_z: float | None   # height of the lowest level static face [m]; None: there is none
-    glass_opacity: float = 0.70  # for a view along the normal of the glass
+    glass_opacity: float = CLEAR  # for a view along the normal of the glass
     clear: bool = True           # glass tints and mirrors; otherwise its colours tell a quantity
     ground: Ground | None = None  # below everything
+    thickness_m: float = 0.0     # of the thickest shell: lines of its middle surface are seen through half of it
 
 
 def weld(points: np.ndarray, apart: np.ndarray | None = None) -> np.ndarray:
@@ -152,14 +158,16 @@ def _ball_centres(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) -
     return centres
 
 
-def _shaded_shards(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Returns points, triangles and normals of points for shards, which the shell process writes in pairs of points, inside
-    before outside (`thicken`, `draw_prisms`): smooth over both faces, flat at the edge, whose corners become points of their own."""
+def _shaded_shards(points: np.ndarray, triangles: np.ndarray,
+                   body: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Returns points, triangles, normals of points, and sides of triangles for shards, which the shell process writes in pairs
+    of points, inside before outside (`thicken`, `draw_prisms`): smooth over both faces, flat at the edge, whose corners become
+    points of their own."""
     ids, inverse = np.unique(body, return_inverse=True)
     first = np.full(len(ids), len(points))
     np.minimum.at(first, inverse, triangles.min(axis=1))
-    odd = ((triangles - first[inverse][:, None]) % 2).sum(axis=1)
-    face = (odd == 0) | (odd == 3)
+    side = sides_of_pieces(triangles, first[inverse])
+    face = side != EDGE
     smooth, corner = vertex_normals(points, triangles[face]), points[triangles]
     across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     turned = (smooth[triangles] * across[:, None]).sum(axis=2) < CREASE_COSINE * np.linalg.norm(across, axis=1)[:, None]
@@ -167,7 +175,7 @@ def _shaded_shards(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) 
     fold[triangles[turned & face[:, None]]] = True
     face &= ~fold[triangles].any(axis=1)  # a fold stays sharp
     normals = np.concatenate([smooth, np.zeros_like(points)])
-    return np.concatenate([points, points]), np.where(face[:, None], triangles, triangles + len(points)), normals
+    return np.concatenate([points, points]), np.where(face[:, None], triangles, triangles + len(points)), normals, side
 
 
 def _join(parts: list[Surface]) -> Surface:
@@ -175,13 +183,20 @@ def _join(parts: list[Surface]) -> Surface:
     return Surface(np.concatenate([p.points for p in parts]),
                    np.concatenate([p.triangles + shift for p, shift in zip(parts, shifts)]),
                    np.concatenate([p.colours for p in parts]), np.concatenate([p.round_centre for p in parts]),
-                   np.concatenate([p.is_floor for p in parts]), np.concatenate([p.throws for p in parts]),
+                   *(np.concatenate([getattr(p, name) for p in parts]) for name in ("is_floor", "throws", "closed", "edge")),
                    np.concatenate([p.smooth for p in parts]))
 
 
 def _surface(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, throws: bool = True) -> Surface:
     return Surface(points, triangles, colours, np.full((len(triangles), 3), np.nan), np.zeros(len(triangles), bool),
-                   np.full(len(triangles), throws), np.full_like(points, np.nan))
+                   np.full(len(triangles), throws), *np.zeros((2, len(triangles)), bool), np.full_like(points, np.nan))
+
+
+def _sheet(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, smooth: np.ndarray, side: np.ndarray) -> Surface:
+    """Makes the surface of a sheet with thickness. One of its faces is enough for its shadow."""
+    out = _surface(points, triangles, colours)
+    out.smooth, out.throws, out.edge = smooth, side != INSIDE, side == EDGE
+    return out
 
 
 def _shell_colours(shell: PolyData, look: Look, part: np.ndarray, several: bool) -> np.ndarray:
@@ -196,8 +211,7 @@ def _shell_colours(shell: PolyData, look: Look, part: np.ndarray, several: bool)
     if look.by == "speed":
         speed = np.linalg.norm(shell_velocity(shell), axis=1)[shell.triangles].mean(axis=1)
         return ramp(speed / look.fastest)
-    base = part_colours(part, look.glass) if several else GLASS
-    return varied(np.where(largest, 0, fragment + 1), base, 0.10)  # the largest one keeps the base colour
+    return varied(fragment, part_colours(part, look.glass) if several else GLASS, VARIED)
 
 
 def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.ndarray, several: bool,
@@ -209,7 +223,7 @@ def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.n
     if look.by == "speed":
         return ramp(speed / look.fastest)
     base = np.where((part >= 0)[:, None], part_colours(np.maximum(part, 0), look.glass), DEBRIS) if several else GLASS
-    return varied(np.where(frozen, 0, body + 1), base, 0.14)
+    return varied(body, base, VARIED)
 
 
 def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = None) -> Scene:
@@ -222,19 +236,20 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
     glass, solid, cracks, outlines = [Surface()], [Surface()], [np.zeros((0, 2, 3))], [np.zeros((0, 2, 3))]
     shards = moving = np.zeros((0, 3))
     floor_z: float | None = None
+    thickness_m = 0.0
     shell = frame.read(SHELL)
     several = len(look.glass) > 1 or not all(look.glass)
     if shell is not None and len(shell.triangles):
         part = shell.of_triangles("shell", 0).astype(np.int64)
         several = several or part.max() > 0
-        colours = _shell_colours(shell, look, part, several)
-        smooth = vertex_normals(shell.points, shell.triangles)
-        clear = is_glass(part, look.glass) if several else np.ones(len(part), bool)
+        sheet = sheet_of(shell, look.thickness)
+        colours, thickness_m = _shell_colours(shell, look, part, several)[sheet.own], sheet.thickness_m
+        clear = is_glass(part, look.glass)[sheet.own] if several else np.ones(len(colours), bool)
         for where, surfaces in ((clear, glass), (~clear, solid)):
             if where.any():
-                surfaces.append(_surface(shell.points, shell.triangles[where], colours[where]))
-                surfaces[-1].smooth = smooth
-        cracks.append(shell.points[fragment_edges(shell)])
+                surfaces.append(_sheet(sheet.points, sheet.triangles[where], colours[where], sheet.smooth, sheet.side[where]))
+                surfaces[-1].closed = sheet.side[where] != OTHER
+        (outlines if thickness_m else cracks).append(sheet.points[sheet.lines(fragment_edges(shell))])
     lines = frame.read(CRACKS)
     if lines is not None:
         cracks.append(lines.points[lines_in_place(lines, shell)])
@@ -248,11 +263,10 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
             part = parts_of_bodies(body[broken], look.part_of)
             colours = _broken_colours(body[broken], (kind == FROZEN)[broken], look, part, several, speed[broken])
             clear = is_glass(np.maximum(part, 0), look.glass) & (part >= 0) if several else np.ones(len(part), bool)
-            points, corners, smooth = _shaded_shards(bodies.points, mine, body[broken])
+            points, corners, smooth, side = _shaded_shards(bodies.points, mine, body[broken])
             for where, surfaces in ((clear, glass), (~clear, solid)):
                 if where.any():
-                    surfaces.append(_surface(points, corners[where], colours[where]))
-                    surfaces[-1].smooth = smooth
+                    surfaces.append(_sheet(points, corners[where], colours[where], smooth, side[where]))
             owner = np.zeros(len(bodies.points), np.int64)
             owner[bodies.triangles.ravel()] = np.repeat(body, 3)
             normals = _surface(bodies.points, mine, colours).normals()
@@ -284,5 +298,4 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
         # a picture must contain these
         moving, shards = np.concatenate([moving, points]), np.concatenate([shards, points])
     return Scene(_join(glass), _join(solid), np.concatenate(cracks), np.concatenate(outlines), shards, moving, floor_z,
-                 0.40 if several else 0.70,  # windows are for looking in, a pane is what there is to see
-                 look.by == "part")
+                 CLEAR if look.by == "part" else COLOURED, look.by == "part", thickness_m=thickness_m)

@@ -23,9 +23,9 @@ class Shadows:
         across = np.cross(LIGHT, [0.0, 1.0, 0.0])
         across /= np.linalg.norm(across)
         self._axes = np.stack([across, np.cross(LIGHT, across), LIGHT])
-        solid = scene.solid.triangles[scene.solid.throws]
+        solid, glass = (surface.triangles[surface.throws] for surface in (scene.solid, scene.glass))
         used = [surface.points[triangles[::1 + len(triangles) // ENOUGH, 0]] for surface, triangles in
-                ((scene.solid, solid), (scene.glass, scene.glass.triangles)) if len(triangles)]
+                ((scene.solid, solid), (scene.glass, glass)) if len(triangles)]
         flat = (np.concatenate(used) if used else np.zeros((1, 3))) @ self._axes[:2].T
         low, high = np.percentile(flat, INNER, axis=0)
         if len(scene.moving):  # bodies have few points
@@ -36,7 +36,7 @@ class Shadows:
         self._low, self._scale = 0.5 * (low + high - side), float(TEXELS / side)
         self._single = self._axes.astype(np.float32)
         self._maps = [(self._map(surface, triangles), dark) for surface, triangles, dark in
-                      ((scene.solid, solid, SOLID), (scene.glass, scene.glass.triangles, GLASS)) if len(triangles)]
+                      ((scene.solid, solid, SOLID), (scene.glass, glass, GLASS)) if len(triangles)]
         dark: np.ndarray = np.zeros((TEXELS + 2, TEXELS + 2), np.float32)
         for nearest, strength in self._maps:
             dark = np.maximum(dark, np.float32(strength) * (nearest.reshape(dark.shape) > -np.inf))

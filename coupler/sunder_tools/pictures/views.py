@@ -15,6 +15,7 @@ LIGHT32 = LIGHT.astype(np.float32)
 SKY = (np.array([0.985, 0.988, 0.990]), np.array([0.90, 0.92, 0.94]))  # top, bottom of the picture
 INK = np.array([0.06, 0.12, 0.16])
 STEEPEST = 6.0           # rise of a surface over a pixel [pixels] above which pixels are shaded one by one
+EDGE_OPACITY = 1.1       # of glass along its sheet, where its colour is deep
 FLAT = 0.9               # cosine between faces below which they are
 GRID_M = 0.1             # spacing of the lines on the floor
 BAND = 1 << 14           # [pixels] that are shaded at once; their arrays fit into the cache of a core
@@ -65,13 +66,14 @@ class _Shader:
         normal, facing = self._facing(index, world, eye)
         dark = shadows.on(world, normal)
         tint = np.take(self.base, index, axis=0)
+        share = np.where(np.take(self._surface.edge, index), np.float32(EDGE_OPACITY), np.float32(opacity))[:, None]
         mirror = (0.04 + 0.60 * _cube(1.0 - facing))[:, None]
         up = 2.0 * facing * normal[:, 2] - eye[:, 2]
         lambert = np.maximum(normal @ LIGHT32, 0.0) * (1.0 - dark)
         sky = (0.55 + 0.50 * np.clip(0.5 + up, 0.0, 1.0))[:, None]
-        own = mirror * sky + (0.30 * opacity * (0.60 + 0.55 * lambert))[:, None] * tint
+        own = mirror * sky + 0.30 * share * (0.60 + 0.55 * lambert)[:, None] * tint
         own += (0.35 * _cube(_highlight(normal, eye)) ** 8 * (1.0 - 2.0 * dark))[:, None]
-        return (1.0 - mirror) * (1.0 - 0.30 * opacity) * (1.0 - opacity * (1.0 - tint)), own
+        return (1.0 - mirror) * (1.0 - 0.30 * share) * (1.0 - share * (1.0 - tint)), own
 
     def _facing(self, index: np.ndarray, world: np.ndarray, eye: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Returns unit normals that look to the eye, and their cosines with the direction to it."""
@@ -128,10 +130,8 @@ def draw_scene(scene: Scene, camera: Camera, width: int, height: int, line_px: i
     time, and making their pages took as long as the shading.
     """
     picture = background(width, height)
-    pixels, near = camera.project(scene.solid.points)
-    solid = rasterise(pixels, near, scene.solid.triangles, width, height)
-    pixels, near = camera.project(scene.glass.points)
-    glass = rasterise(pixels, near, scene.glass.triangles, width, height)
+    solid, glass = (rasterise(pixels, near, _seen(surface, pixels), width, height) for surface in (scene.solid, scene.glass)
+                    for pixels, near in (camera.project(surface.points),))
     painter = _Painter(scene, camera, width)
     rows = max(2, BAND // width // 2 * 2)
     for begin in range(0, len(picture), rows * width):
@@ -140,9 +140,22 @@ def draw_scene(scene: Scene, camera: Camera, width: int, height: int, line_px: i
         painter.solid(picture[band], begin, index, depth)
         painter.glass(picture[band], begin, glass[0][band], glass[1][band], depth)
     front = np.maximum(solid[1], glass[1], out=glass[1])
-    _draw_lines(picture, scene.outlines, camera, front, width, height, line_px, 0.50)
-    _draw_lines(picture, scene.cracks, camera, front, width, height, line_px, 0.80)
+    _draw_lines(picture, scene.outlines, camera, front, width, height, line_px, 0.60)
+    _draw_lines(picture, scene.cracks, camera, front, width, height, line_px, 0.80, scene.thickness_m)
     return np.clip(picture, 0.0, 1.0, out=picture).reshape(height, width, 3)
+
+
+def _seen(surface: Surface, pixels: np.ndarray) -> np.ndarray:
+    """Returns the triangles; of those that turn their back to the eye and are closed, nothing but a point."""
+    if not surface.closed.any():
+        return surface.triangles
+    at = np.flatnonzero(surface.closed)
+    a, b, c = (pixels[surface.triangles[at, k]] for k in range(3))
+    with np.errstate(invalid="ignore"):
+        back = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) > (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])  # rows go down
+    triangles = surface.triangles.copy()
+    triangles[at[back]] = 0
+    return triangles
 
 
 def as_bytes(picture: np.ndarray) -> np.ndarray:
@@ -272,13 +285,14 @@ class _Painter:
 
 
 def _draw_lines(picture: np.ndarray, segments: np.ndarray, camera: Camera, front: np.ndarray, width: int,
-                height: int, thick: int, strength: float) -> None:
-    """Blends ink over the pixels where a line is not hidden (by more than a bias that spares its own faces)."""
+                height: int, thick: int, strength: float, reach_m: float = 0.0) -> None:
+    """Blends ink over the pixels where a line is not hidden (by more than a bias that spares its own faces). It is seen through
+    `reach_m` of what is in front of it."""
     if len(segments) == 0:
         return
     start, near_start = camera.project(segments[:, 0])
     end, near_end = camera.project(segments[:, 1])
     where, near = line_pixels(start, end, near_start, near_end, width, height, thick)
-    bias = 0.004 * near if camera.perspective else 0.002
+    bias = near * (0.004 + reach_m * near) if camera.perspective else 0.002 + reach_m
     seen = np.unique(where[near + bias >= front[where]])
     picture[seen] += strength * (INK - picture[seen])
