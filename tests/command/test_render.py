@@ -19,13 +19,15 @@ from PIL import Image
 from sunder_tools.command.main import main
 from sunder_tools.errors import CommandError
 from sunder_tools.launch.folder import RunFolder
-from sunder_tools.pictures import raster, render as rendering, views
+from sunder_tools.pictures import lettering, raster, render as rendering, views
 from sunder_tools.pictures.contact_sheet import boxes
 from sunder_tools.pictures.export import glb_bytes
 from sunder_tools.pictures.frames import list_frames
 from sunder_tools.pictures.look import Look, origins
 from sunder_tools.pictures.mesh import mesh_of
 from sunder_tools.pictures.meshes import Scene, load_scene
+from sunder_tools.pictures.motion import body_velocity
+from sunder_tools.pictures.palette import STOPS, ramp
 from sunder_tools.pictures.raster import Camera, perspective_camera
 from sunder_tools.pictures.render import parse_view, pick
 from sunder_tools.report.scene_text import SCENE_COPY, Words, parse_text, words_of
@@ -68,6 +70,38 @@ class Stills(OfARun):
             for other in pictures[k + 1:]:
                 self.assertGreater((np.abs(one - other).max(axis=2) > 10).mean(), 0.01)
         self.assertEqual([p.name for p in (self.folder / "stills").iterdir()], ["still_000004.png"])
+
+    def test_colours_of_a_quantity_have_a_bar_with_title_unit_and_ends(self) -> None:
+        words: list[str] = []
+        bars: list[tuple[str, ...]] = []
+
+        def write(image: Image.Image, at: tuple[int, int], text: str, size: int) -> None:
+            words.append(text)
+            self.assertTrue(0 <= at[0] and at[0] + lettering.text_width(text, size) <= image.width and at[1] + size <= image.height,
+                            f"{text} is cut off")
+            plain(image, at, text, size)
+
+        plain = lettering.draw_text
+        for colour, ends in (("damage", ["damage [-]", "0", "1"]), ("speed", ["speed [m/s]", "0", f"{self.fastest():.3g}"])):
+            words.clear()
+            with mock.patch.object(lettering, "draw_text", write):
+                picture = self.render("--colour", colour)
+            self.assertEqual(words, ends)
+            left, top, right, bottom = lettering.bar_box(Image.new("RGB", (160, 96)))
+            bar = picture[(top + bottom) // 2, left:right]
+            np.testing.assert_allclose(bar[[0, -1]], 255.0 * STOPS[[0, -1]], atol=1.0)
+            np.testing.assert_allclose(bar, 255.0 * ramp(np.linspace(0.0, 1.0, right - left)), atol=1.0)
+            bars.append(tuple(words))
+        self.assertNotEqual(*bars)
+        words.clear()
+        with mock.patch.object(lettering, "draw_text", write):
+            for arguments in (("--colour", "part"), ("--colour", "fragment"), ("--colour", "speed", "--no-caption")):
+                self.render(*arguments)
+        self.assertEqual(words, [])
+
+    def fastest(self) -> float:
+        """The largest speed [m/s] in the frame that is drawn."""
+        return float(np.linalg.norm(body_velocity(list_frames(self.folder), 4), axis=1).max())
 
     def scene(self) -> tuple[Scene, Camera]:
         frame = list_frames(self.folder)[4]

@@ -26,7 +26,7 @@ from .contact_sheet import SAMPLES, boxes, ground_of, moment_text, stand, toward
 from .cycles import Cycles, drawn
 from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
 from .ground import Ground
-from .lettering import draw_text
+from .lettering import draw_colour_bar, draw_text
 from .look import Look
 from .meshes import load_scene
 from .motion import body_velocity, shell_velocity
@@ -250,6 +250,16 @@ def _write_caption(image: Image.Image, stage: _Stage, k: int) -> None:
     if stage.shot.caption:
         height = stage.shot.size[1]
         draw_text(image, (height // 40, height // 60), moment_text(stage.frames[k]), max(height // 32, 8))
+        scale = scale_of(stage.shot.look)
+        if scale is not None:
+            draw_colour_bar(image, *scale)
+
+
+def scale_of(look: Look) -> tuple[str, str, str] | None:
+    """Returns title with unit, and both ends of the colour scale; None where colours tell no quantity."""
+    if look.by == "damage":
+        return "damage [-]", "0", "1"
+    return ("speed [m/s]", "0", f"{look.fastest:.3g}") if look.by == "speed" else None
 
 
 def _drawn(stage: _Stage, numbers: Sequence[int], jobs: int) -> Iterator[Image.Image]:
