@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
 import tempfile
 import unittest
@@ -17,16 +18,18 @@ from sunder_tools.pictures.contact_sheet import GRIDS, WIDTH, ground_of, moment_
 from sunder_tools.pictures.crack_lines import Graph
 from sunder_tools.pictures.flat import crack_pattern
 from sunder_tools.pictures.frames import SHELL, Frame, choose_frames, list_frames
+from sunder_tools.pictures.look import Look
 from sunder_tools.pictures.meshes import load_scene
 from sunder_tools.pictures.raster import orthographic_camera, perspective_camera, rasterise
 from sunder_tools.pictures.plots import there
 from sunder_tools.pictures.shadows import GLASS, LIGHT, SOLID, Shadows
-from sunder_tools.pictures.views import background
+from sunder_tools.pictures.views import background, draw_scene
 from sunder_tools.pictures.vtp import VtpError, read_vtp
+from sunder_tools.report.scene_text import SCENE_COPY
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests.validation.crack_pictures import _length_of_bar, draw_cracks, figure_of
 
-from .synthetic import SyntheticRun, write_vtp
+from .synthetic import THICKNESS_M, SyntheticRun, write_vtp
 
 
 class InAFolder(unittest.TestCase):
@@ -177,6 +180,23 @@ class ContactSheet(InAFolder):
                 top, left = 44 + k // columns * (height + 8), 8 + k % columns * (width + 8)
                 self.assertGreater(picture[top:top + height, left:left + width].std(), 4.0, f"{k} of {count}")
 
+    def test_the_title_has_scene_material_and_speed(self) -> None:
+        self.synthetic(3)
+        (self.folder / SCENE_COPY).write_text(
+            'materials { name: "glass" density: 2500 } shells { name: "pane" material: "glass" thickness_m: 0.004 }'
+            'bodies { name: "ball" material: "glass" sphere { radius_m: 0.02 } twist { linear { z: -8 } } }')
+        run = {"status": "done", "scene": "pane_of_a_shop", "counts": {"fragments": 9, "handed_off": 4}}
+        (self.folder / "run.json").write_text(json.dumps(run))
+        with mock.patch.object(contact_sheet, "draw_text") as written:
+            write_contact_sheet(self.folder)
+        title = written.call_args_list[-1].args[2]
+        self.assertEqual(title.split("     "), ["pane_of_a_shop", "glass 4 mm", "ball 8 m/s",
+                                                "9 fragments, 4 handed to the rigid engine"])
+        (self.folder / "run.json").write_text(json.dumps({"status": "failed"}))
+        with mock.patch.object(contact_sheet, "draw_text") as written:
+            write_contact_sheet(self.folder)
+        self.assertEqual(written.call_args_list[-1].args[2].split("     ")[:2], [self.folder.resolve().name, "failed"])
+
     def test_no_frames(self) -> None:
         self.synthetic(3)
         (self.folder / "frames.pvd").write_text("<VTKFile><Collection/></VTKFile>")
@@ -211,6 +231,30 @@ class ContactSheet(InAFolder):
         self.assertAlmostEqual(float(shadows.on(beneath[None], up)[0]), SOLID, places=6)
         self.assertEqual(float(shadows.on(np.array([[0.2, -0.2, pane]]), up)[0]), 0.0, "the pane shades itself")
         self.assertEqual(float(shadows.below(np.array([[40.0, 0.0, 0.0]]))[0]), 0.0)
+
+    def test_the_floor_shows_through_glass_and_its_edge_is_deep(self) -> None:
+        self.synthetic(9)
+        scene = load_scene(list_frames(self.folder)[0], Look(glass=(True,), thickness=(THICKNESS_M,)))
+        self.assertEqual(scene.thickness_m, THICKNESS_M)
+        middle = 0.5 * (scene.glass.points.min(axis=0) + scene.glass.points.max(axis=0))
+        camera = perspective_camera(middle - 0.3, middle + 0.3, np.array([-0.3, 0.6, -0.7]), 400, 300)
+        pixels, near = camera.project(scene.glass.points)
+        pane, _ = rasterise(pixels, near, scene.glass.triangles, 400, 300)
+        pictures = []
+        for grey in (0.2, 0.9):
+            scene.solid.colours = np.full_like(scene.solid.colours, grey)
+            pictures.append(draw_scene(scene, camera, 400, 300).reshape(-1, 3))
+        change = (pictures[1] - pictures[0]) / 0.7
+        face = (pane >= 0) & ~scene.glass.edge[pane]
+        edge = (pane >= 0) & scene.glass.edge[pane]
+        self.assertGreater(face.sum(), 10_000)
+        self.assertGreater(edge.sum(), 100)
+        through = np.median(change[face], axis=0)
+        self.assertGreater(through.min(), 0.6)
+        self.assertLess(through[0], through[1])  # glass is greenish
+        self.assertLess(np.median(change[edge], axis=0)[0], 0.5 * through[0])
+        tint = [float(np.median(picture[:, 1] - picture[:, 0])) for picture in (pictures[1][face], pictures[1][edge])]
+        self.assertGreater(tint[1], 2.0 * tint[0])
 
     def test_pieces_that_have_left_are_in_the_pattern_where_they_were(self) -> None:
         self.synthetic(20)

@@ -85,8 +85,9 @@ def time_text(time_s: float) -> str:
 
 
 def _title(folder: Path) -> str:
+    """Scene, materials with thickness, speeds at the start, and what became of it; the folder's name without a scene's."""
     run, words = read_run(folder), scene_words(folder)
-    parts = [folder.resolve().name]
+    parts = [str(run.get("scene") or "") or folder.resolve().name]
     if run.get("status") in ("failed", "interrupted"):
         parts.append(str(run["status"]))
     sheets = dict.fromkeys(f"{m} {t * 1e3:.3g} mm" if t == t else m for m, t in zip(words.materials, words.thickness))
