@@ -13,6 +13,8 @@ import numpy as np
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.launch.run import launch_once
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
+from sunder_tools.pictures.motion import body_velocity
+from sunder_tools.pictures.palette import ramp
 from sunder_tools.pictures.view import Server, packages
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests import REPOSITORY
@@ -154,6 +156,7 @@ class Page(InABrowser):
         for by in ("damage", "fragment", "speed"):
             self.choose("colour", by)
             pictures[by] = self.picture()
+            self.check_legend(by)
         names = list(pictures)
         for k, one in enumerate(names):
             for other in names[k + 1:]:
@@ -167,6 +170,41 @@ class Page(InABrowser):
         before = self.picture()
         self.choose("mesh", "true")
         self.assertGreater(self.differs(before, self.picture()), 1000)
+
+    def check_legend(self, by: str) -> None:
+        """A quantity has a bar with its colours in order, 0 and the largest value with its unit at the ends, in dark ink."""
+        bars = self.browser.evaluate("document.querySelectorAll('#legend canvas').length")
+        if by == "fragment":
+            self.assertEqual(bars, 0)
+            return
+        self.assertEqual(bars, 1)
+        ends = self.browser.evaluate("[...document.querySelectorAll('#legend .scale span')].map(s => s.textContent)")
+        self.assertEqual((len(ends), ends[0]), (2, "0"))
+        number, _, unit = ends[1].partition(" ")
+        largest, asked = {"damage": (1.0, ""), "speed": (self.fastest(), "m/s")}[by]
+        self.assertEqual(unit, asked)
+        self.assertAlmostEqual(float(number) / largest, 1.0, delta=0.005)  # three digits
+        colours = np.array(self.browser.evaluate(
+            "(() => { const c = document.querySelector('#legend canvas'); "
+            "return [...c.getContext('2d').getImageData(0, 0, c.width, 1).data]; })()")).reshape(-1, 4)
+        self.assertEqual(len(colours), 180)
+        np.testing.assert_allclose(colours[:, :3], 255.0 * ramp(np.arange(180) / 179.0), atol=1.5)
+        self.assertTrue((colours[:, 3] == 255).all())
+        where = self.browser.evaluate("(() => { const b = (s) => { const r = document.querySelector(s).getBoundingClientRect(); "
+                                      "return [r.left, r.top, r.right, r.bottom]; }; "
+                                      "return [...b('#legend canvas'), ...b('#legend .scale')]; })()")
+        left, top, right, bottom = (round(x) for x in where[:4])
+        self.assertEqual((round(where[4]), round(where[6])), (left, right), "the ends stand below the ends of the bar")
+        screen = self.browser.picture().astype(int)
+        shown = screen[(top + bottom) // 2, left + 2:right - 2]
+        np.testing.assert_allclose(shown, colours[2:-2, :3], atol=6)
+        words = screen[bottom:round(where[7]), left:right].max(axis=2)
+        for ink in (words[:, :12], words[:, -12:]):
+            self.assertLess(ink.min(), 120, "no ink at an end")
+
+    def fastest(self) -> float:
+        """The largest speed [m/s] in the only frame that the page has coloured by speed."""
+        return float(np.linalg.norm(body_velocity(list_frames(self.folder), 7), axis=1).max())
 
     def test_axes_have_whole_units(self) -> None:
         unit = "import('./plots.js').then(m => { const u = m.axisUnit(%s); return [u.label, u.by]; })"
