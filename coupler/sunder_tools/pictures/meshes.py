@@ -183,13 +183,15 @@ def _join(parts: list[Surface]) -> Surface:
     return Surface(np.concatenate([p.points for p in parts]),
                    np.concatenate([p.triangles + shift for p, shift in zip(parts, shifts)]),
                    np.concatenate([p.colours for p in parts]), np.concatenate([p.round_centre for p in parts]),
-                   *(np.concatenate([getattr(p, name) for p in parts]) for name in ("is_floor", "throws", "closed", "edge")),
+                   np.concatenate([p.is_floor for p in parts]), np.concatenate([p.throws for p in parts]),
+                   np.concatenate([p.closed for p in parts]), np.concatenate([p.edge for p in parts]),
                    np.concatenate([p.smooth for p in parts]))
 
 
 def _surface(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, throws: bool = True) -> Surface:
-    return Surface(points, triangles, colours, np.full((len(triangles), 3), np.nan), np.zeros(len(triangles), bool),
-                   np.full(len(triangles), throws), *np.zeros((2, len(triangles)), bool), np.full_like(points, np.nan))
+    none = np.zeros(len(triangles), bool)
+    return Surface(points, triangles, colours, np.full((len(triangles), 3), np.nan), none, np.full(len(triangles), throws), none,
+                   none, np.full_like(points, np.nan))
 
 
 def _sheet(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, smooth: np.ndarray, side: np.ndarray) -> Surface:
