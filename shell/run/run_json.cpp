@@ -270,7 +270,7 @@ Json models_of(const RunParts& run) {
 
 std::string run_json(const RunParts& run, const Recorder& recorder, const std::string& status, const Error* error) {
   const State& state = run.simulation.state;
-  Json j = {{"schema", 1},
+  Json j = {{"schema", 2},
             {"version", version()},
             {"status", status},
             {"scene", run.setup.name},

@@ -30,7 +30,7 @@ def mark(folder: Path, status: str, kind: str, message: str) -> None:
 
     Raises OSError where the folder cannot be written.
     """
-    run = read_run(folder) or {"schema": 1}
+    run = read_run(folder) or {"schema": 2}
     run["status"] = status
     if kind:
         run["error"] = {"kind": kind, "message": message}
