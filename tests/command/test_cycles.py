@@ -17,6 +17,7 @@ from sunder_tools.pictures.ground import Ground
 from sunder_tools.pictures.raster import perspective_camera
 from sunder_tools.report.scene_text import SCENE_COPY, parse_text, words_of
 
+from .synthetic import HEIGHT_M, write_vtp
 from .test_render import OfARun
 
 SCENE = """
@@ -29,6 +30,7 @@ materials { name: "Silk" density: 1000 youngs_modulus: 1e9 }
 shells { name: "pane" material: "window" thickness_m: 0.01 }"""
 HAS_BLENDER = shutil.which("blender") is not None
 SIZE = "160x96"
+SUN_VIEW = "38,63"  # azimuth and elevation [degrees] from which a level mirror shows the sun (shadows.LIGHT)
 SAME = 0.8  # share of the pixels of either picture that show the pane in both; our pictures draw dark lines along edges
 
 
@@ -88,10 +90,10 @@ class Refused(OfARun):
 
 @unittest.skipUnless(HAS_BLENDER, "Blender is not installed; apt-get install --no-install-recommends blender")
 class Drawn(OfARun):
-    def still(self, *arguments: str) -> np.ndarray:
-        status, said = self.sunder("render", "--size", SIZE, "--jobs", "1", "--frames", "4", "--no-caption", *arguments)
+    def still(self, *arguments: str, frame: int = 4) -> np.ndarray:
+        status, said = self.sunder("render", "--size", SIZE, "--jobs", "1", "--frames", str(frame), "--no-caption", *arguments)
         self.assertEqual(status, 0, said)
-        with Image.open(self.folder / "stills" / "still_000004.png") as image:
+        with Image.open(self.folder / "stills" / f"still_{frame:06d}.png") as image:
             return np.asarray(image.convert("RGB"), float) / 255.0
 
     def test_things_stand_where_the_rasteriser_has_them(self) -> None:
@@ -107,6 +109,30 @@ class Drawn(OfARun):
             both, either = (masks[0] & masks[1]).sum(), (masks[0] | masks[1]).sum()
             self.assertGreater(both, 800)
             self.assertGreater(both / either, SAME, view)
+
+    def test_glass_metal_and_cloth_look_like_it(self) -> None:
+        """A sheet with a board under its left half, from above and from where a mirror shows the sun."""
+        low, high = np.array([-0.25, -0.25, HEIGHT_M - 0.12]), np.array([0.0, 0.25, HEIGHT_M - 0.10])
+        points = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+        faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
+                 [1, 5, 7], [1, 7, 3]]
+        write_vtp(self.folder / "frames" / "bodies_000001.vtp", points, faces,
+                  cell_data={"body": np.zeros(len(faces)), "kind": np.zeros(len(faces))})
+        seen = {name: self.sheet(name) for name in ("glass", "steel", "silk")}
+        middle = seen["glass"][0].shape[1] // 2  # the board ends here
+        halves = {name: float(above[:, middle + 2:middle + 10].mean() - above[:, middle - 10:middle - 2].mean())
+                  for name, (above, _) in seen.items()}
+        self.assertGreater(abs(halves["glass"]), 0.05, "what is under glass is seen")
+        self.assertLess(max(abs(halves["steel"]), abs(halves["silk"])), 0.03, halves)  # a mirror has the sky's shades
+        shine = {name: float(sun.mean() / above.mean()) for name, (above, sun) in seen.items()}
+        self.assertGreater(shine["steel"], 1.3, "a metal mirrors the sun")
+        self.assertLess(abs(shine["silk"] - 1.0), 0.1, "a cloth is as bright from every side")
+
+    def sheet(self, material: str) -> tuple[np.ndarray, ...]:
+        """Draws the middle of the pane of this material in both views."""
+        (self.folder / SCENE_COPY).write_text(f'materials {{ name: "{material}" density: 1000 }} '
+                                              f'shells {{ name: "pane" material: "{material}" thickness_m: 0.004 }}')
+        return tuple(self.still("--view", view, "--close", "--cycles", "12", frame=1)[24:-24, 56:-56] for view in ("270,89", SUN_VIEW))
 
 
 if __name__ == "__main__":
