@@ -21,6 +21,7 @@ from ..validation.results import BENCH, FIRST_USE, NUMBERS, WHOLE, page, put_sta
 
 NAME = "report"
 SUITES = (*VALIDATIONS, BENCH, FIRST_USE)
+PICTURES = "pictures"
 WITHOUT_KNOWN = ("engines", "extremes")  # `validate` takes no --known for them
 
 
@@ -31,21 +32,31 @@ def add_parser(subparsers: Subparsers) -> None:
         "Runs the suites named, all where none is, and keeps the JSON of each in tests/validation/results and\n"
         "tests/benchmarks/results. Writes RESULTS.md beside both and the status lines of README.md, from all JSON\n"
         "that is there: a suite can be renewed alone, and with --case one case of it. first_use runs nothing: it keeps what\n"
-        "the first picture of this checkout took, on a machine that had nothing. Exit status 1 where a suite fails.",
-        "sunder report shells contact\nsunder report cracks --case mirror")
-    parser.add_argument("suites", metavar="SUITE", nargs="*", help=", ".join(SUITES))
+        "the first picture of this checkout took, on a machine that had nothing. Exit status 1 where a suite fails.\n"
+        "'pictures' instead of a suite draws the pictures that pages show, which takes hours; with --picture one of them.\n"
+        "Exit status 1 where this machine cannot draw one, which then stays as it is.",
+        "sunder report shells contact\nsunder report cracks --case mirror\nsunder report pictures --picture glass")
+    parser.add_argument("suites", metavar="SUITE", nargs="*", help=", ".join((*SUITES, PICTURES)))
     parser.add_argument("--case", metavar="NAME",
                         help="run this case only, and keep the other rows of the suite; with one SUITE of 'sunder validate'")
     parser.add_argument("--json-dir", metavar="DIR", type=Path,
                         help="keep the JSON in DIR/validation and DIR/benchmarks, the pages beside, and leave README.md alone")
+    parser.add_argument("--picture", metavar="NAME", action="append", default=[],
+                        help="with 'pictures': draw this one only, e.g. glass for scenes/glass.png; may be given again")
+    parser.add_argument("--runs", metavar="DIR", type=Path,
+                        help="with 'pictures': take the run of a scene from DIR/NAME, or run it into there")
     parser.add_argument("--no-run", action="store_true", help="run nothing: write the pages anew from the JSON")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs suites and writes pages; returns the exit status. Raises CommandError."""
+    if PICTURES in arguments.suites:
+        return _draw(arguments)
+    if arguments.picture or arguments.runs:
+        raise CommandError("report: --picture and --runs go with 'sunder report pictures'", BAD_INPUT)
     for suite in arguments.suites:
         if suite not in SUITES:
-            raise CommandError(f"report: no suite '{suite}'; {did_you_mean(suite, SUITES)}", BAD_INPUT)
+            raise CommandError(f"report: no suite '{suite}'; {did_you_mean(suite, (*SUITES, PICTURES))}", BAD_INPUT)
     if arguments.suites and arguments.no_run:
         raise CommandError(f"report: --no-run runs no suite; leave '{arguments.suites[0]}' out", BAD_INPUT)
     if arguments.case is not None and (len(arguments.suites) != 1 or arguments.suites[0] in NUMBERS):
@@ -58,6 +69,14 @@ def run(arguments: argparse.Namespace) -> int:
     if failed:
         print(f"sunder: these suites fail: {', '.join(failed)}", file=sys.stderr)
     return CHECK_FAILED if failed else DONE
+
+
+def _draw(arguments: argparse.Namespace) -> int:
+    if arguments.suites != [PICTURES] or arguments.case or arguments.json_dir or arguments.no_run:
+        raise CommandError("report: 'pictures' stands alone, with --picture and --runs only", BAD_INPUT)
+    from .pictures import draw_pictures  # numpy and PIL only now
+    left = draw_pictures(arguments.picture, arguments.runs)
+    return CHECK_FAILED if left else DONE
 
 
 def folder_of(suite: str, top: Path) -> Path:
