@@ -1,6 +1,8 @@
 """The pictures that pages show, and how each is drawn: `sunder report pictures`."""
 from __future__ import annotations
 
+import contextlib
+import io
 import re
 import sys
 import tempfile
@@ -20,7 +22,8 @@ from sunder_tools.pictures.render import frames_of, put_in_place
 from sunder_tools.places import REPOSITORY
 from sunder_tools.words import did_you_mean
 
-QUALITY = 88  # of JPEG
+QUALITY = 88   # of JPEG
+COLOURS = 256  # of PNG
 KINDS = {".png": {"format": "PNG", "optimize": True}, ".jpg": {"format": "JPEG", "quality": QUALITY, "optimize": True}}
 
 
@@ -60,7 +63,7 @@ def _trade(name: str, scene: str, *arguments: str) -> Picture:
 
 
 PICTURES = (
-    Picture("scenes/first.png", "README.md#first.textproto", (5e-4, 0.024, 0.163), ("--size", "1280x956"), width=1358),
+    Picture("scenes/first.png", "README.md#first.textproto", (5e-4, 0.024, 0.163), ("--size", "1280x956", "--zoom", "1.3"), width=1358),
     Picture("scenes/glass.png", "scenes/glass.textproto"),
     Picture("scenes/glass_cycles.jpg", "scenes/glass.textproto", (0.118,),
             ("--cycles", "96", "--view", "20,22", "--size", "760x580", "--no-caption"), width=760),
@@ -97,7 +100,10 @@ def draw_pictures(names: list[str], runs: Path | None, top: Path = REPOSITORY) -
             image = _by_command(picture, Path(temporary)) if picture.command else _of_run(picture, runs or Path(temporary))
             target = top / picture.target
             target.parent.mkdir(parents=True, exist_ok=True)
-            put_in_place(target, partial(image.convert("RGB").save, **KINDS[target.suffix]))
+            colours = image.convert("RGB")
+            if target.suffix == ".png":
+                colours = colours.quantize(COLOURS)  # a third of the bytes
+            put_in_place(target, partial(colours.save, **KINDS[target.suffix]))
             print(f"written          {target}")
     return left
 
@@ -116,16 +122,21 @@ def _of_run(picture: Picture, runs: Path) -> Image.Image:
     if not picture.times:
         with Image.open(write_contact_sheet(folder)) as sheet:
             return _wide(sheet.convert("RGB"), picture.width)
-    return _wide(_beside([_still(folder, time_s, picture.options) for time_s in picture.times]), picture.width)
+    return _wide(_beside(_stills(folder, picture.times, picture.options)), picture.width)
 
 
-def _still(folder: Path, time_s: float, options: tuple[str, ...]) -> Image.Image:
+def _stills(folder: Path, times: tuple[float, ...], options: tuple[str, ...]) -> list[Image.Image]:
+    """Stills of the frames at these times, all with one camera."""
     frames = frames_of(folder, "report")
-    number = min(range(len(frames)), key=lambda k: abs(frames[k].time_s - time_s))
-    with tempfile.TemporaryDirectory(prefix="still-sunder-") as temporary:
-        _sunder("render", str(folder), "--frames", str(number), "--out", temporary, *options)
-        with Image.open(Path(temporary) / f"still_{number:06d}.png") as still:
-            return still.convert("RGB")
+    numbers = [min(range(len(frames)), key=lambda k: abs(frames[k].time_s - time_s)) for time_s in times]
+    with tempfile.TemporaryDirectory(prefix="stills-sunder-") as temporary:
+        with contextlib.redirect_stdout(io.StringIO()):  # their place, which is temporary
+            _sunder("render", str(folder), "--frames", ",".join(map(str, numbers)), "--out", temporary, *options)
+        stills = []
+        for number in numbers:
+            with Image.open(Path(temporary) / f"still_{number:06d}.png") as still:
+                stills.append(still.convert("RGB"))
+        return stills
 
 
 def scene_file(scene: str, temporary: Path) -> Path:

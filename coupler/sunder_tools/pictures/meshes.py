@@ -189,9 +189,9 @@ def _join(parts: list[Surface]) -> Surface:
 
 
 def _surface(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, throws: bool = True) -> Surface:
-    none = np.zeros(len(triangles), bool)
-    return Surface(points, triangles, colours, np.full((len(triangles), 3), np.nan), none, np.full(len(triangles), throws), none,
-                   none, np.full_like(points, np.nan))
+    return Surface(points, triangles, colours, np.full((len(triangles), 3), np.nan), np.zeros(len(triangles), bool),
+                   np.full(len(triangles), throws), np.zeros(len(triangles), bool), np.zeros(len(triangles), bool),
+                   np.full_like(points, np.nan))
 
 
 def _sheet(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, smooth: np.ndarray, side: np.ndarray) -> Surface:
