@@ -40,6 +40,7 @@ constexpr double kApproximated = 1e-5;     // a surface of a higher degree may b
 constexpr double kSmoothTolerance = 1e-9;  // the surface may move by this where a needless knot is removed
 constexpr double kSnapTolerance = 1e-7;    // share of the parameter range: a border this near a knot is moved to it
 constexpr double kCornerTolerances = 2.0;  // of a corner of the file: as far may the ends of its borders be apart
+constexpr double kWidestGap = 5e-3;        // of a border, whatever tolerance the reader gives its corners
 constexpr double kNearSide = 1e-2;         // share of the parameter range: at a pole all sides meet in space
 constexpr double kWidestPart = 149.0 * std::numbers::pi / 180.0;  // of an arc in one patch [rad]
 constexpr int kMostPieces = 400;                                  // of an approximated surface
@@ -124,7 +125,9 @@ void check_closed(const CadPlace& place, const Outline& out) {
       const Vec2 end = wire[k](1.0), next = wire[(k + 1) % wire.size()](0.0);
       const double gap = (out.at(end) - out.at(next)).norm();
       const Vec3 x = kMetresPerUnit * out.at(end);
-      const double allowed = std::max(kTrimTolerance * out.size, kCornerTolerances * out.tolerance);
+      // OpenCASCADE widens the tolerance of corners until no border has a gap
+      const double allowed =
+          std::clamp(kCornerTolerances * out.tolerance, kTrimTolerance * out.size, kWidestGap * out.size);
       place.check(gap <= allowed,
                   "has a border with a gap of {:.3g} m at ({:.4g}, {:.4g}, {:.4g}) m, and {:.3g} m are allowed; sew it "
                   "in the CAD program",

@@ -34,6 +34,7 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <tuple>
 
@@ -55,11 +56,16 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <TColStd_SequenceOfAsciiString.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <TransferBRep.hxx>
+#include <Transfer_TransientProcess.hxx>
+#include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 
 #include "shell/io/cad_face.h"
@@ -100,8 +106,60 @@ auto guarded(const scene::LoadedScene& scene, const std::string& field, const st
   }
 }
 
-// Reads a file; `unit` receives its unit of length.
-TopoDS_Shape read(const CadPlace& place, std::string& unit) {
+// A face of a file whose border meets itself. OpenCASCADE divides it there, without a word.
+struct Crossing {
+  TopTools_IndexedMapOfShape faces;  // that it becomes
+  std::string entry;                 // of the file
+  gp_Pnt at;                         // in the axes of its part
+};
+
+// A corner that two faces without a common edge have in one place.
+std::optional<gp_Pnt> touching_corner(const TopoDS_Shape& one, const TopoDS_Shape& other) {
+  for (TopExp_Explorer a(one, TopAbs_EDGE); a.More(); a.Next())
+    for (TopExp_Explorer b(other, TopAbs_EDGE); b.More(); b.Next())
+      if (a.Current().IsSame(b.Current())) return std::nullopt;
+  for (TopExp_Explorer a(one, TopAbs_VERTEX); a.More(); a.Next())
+    for (TopExp_Explorer b(other, TopAbs_VERTEX); b.More(); b.Next()) {
+      const TopoDS_Vertex v = TopoDS::Vertex(a.Current()), w = TopoDS::Vertex(b.Current());
+      const gp_Pnt at = BRep_Tool::Pnt(v);
+      if (at.Distance(BRep_Tool::Pnt(w)) <= BRep_Tool::Tolerance(v) + BRep_Tool::Tolerance(w)) return at;
+    }
+  return std::nullopt;
+}
+
+// The faces of a file that became several which touch at a corner.
+std::vector<Crossing> crossings_of(const XSControl_Reader& reader) {
+  std::vector<Crossing> out;
+  const auto model = reader.WS()->Model();
+  const auto results = reader.WS()->TransferReader()->TransientProcess();
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto entry = model->Value(i);
+    const std::string type = entry->DynamicType()->Name();
+    if (type != "StepShape_AdvancedFace" && type != "StepShape_FaceSurface" && type != "IGESGeom_TrimmedSurface" &&
+        type != "IGESGeom_BoundedSurface" && type != "IGESSolid_Face")
+      continue;
+    const TopoDS_Shape shape = TransferBRep::ShapeResult(results, entry);
+    if (shape.IsNull() || shape.ShapeType() == TopAbs_FACE) continue;
+    Crossing found;
+    TopExp::MapShapes(shape, TopAbs_FACE, found.faces);
+    std::optional<gp_Pnt> at;
+    for (int a = 1; a <= found.faces.Extent() && !at; ++a)
+      for (int b = 1; b < a && !at; ++b) at = touching_corner(found.faces(a), found.faces(b));
+    if (!at) continue;
+    found.entry = model->StringLabel(entry)->ToCString(), found.at = *at;
+    out.push_back(std::move(found));
+  }
+  return out;
+}
+
+// What is read of a file.
+struct Content {
+  TopoDS_Shape shape;
+  std::string unit;  // of length
+  std::vector<Crossing> crossings;
+};
+
+Content read(const CadPlace& place) {
   const std::string field = place.field + ".path";
   const std::filesystem::path file = place.scene.file_beside(field, place.path);
   std::string suffix = file.extension();
@@ -133,17 +191,19 @@ TopoDS_Shape read(const CadPlace& place, std::string& unit) {
   }
   place.scene.check(faults == 0, field, "'{}' is damaged: {} entries, the first with \"{}\"; export it again",
                     place.path, faults, first);
-  unit = "unknown";
+  Content out{{}, "unknown", {}};
   if (step) {
     TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
     static_cast<STEPControl_Reader&>(*reader).FileUnits(lengths, angles, solid_angles);
-    if (lengths.Length() > 0) unit = lengths(1).ToCString();
+    if (lengths.Length() > 0) out.unit = lengths(1).ToCString();
   } else if (const auto model = opencascade::handle<IGESData_IGESModel>::DownCast(reader->WS()->Model());
              !model.IsNull() && !model->GlobalSection().UnitName().IsNull()) {
-    unit = model->GlobalSection().UnitName()->ToCString();
+    out.unit = model->GlobalSection().UnitName()->ToCString();
   }
   reader->TransferRoots();
-  return reader->OneShape();
+  out.shape = reader->OneShape();
+  out.crossings = crossings_of(*reader);
+  return out;
 }
 
 }  // namespace
@@ -152,6 +212,7 @@ struct CadFile::Shape {
   std::string path, unit;
   TopTools_IndexedMapOfShape faces;  // numbered from 1, each once
   TopTools_IndexedDataMapOfShapeListOfShape faces_of_edge;
+  std::map<int, std::string> crossed;  // faces whose border crosses itself, and what is said of it
   // by face, scale and width of filled holes: some take long to approximate
   mutable std::map<std::tuple<int, double, double>, std::vector<CadSurface> > surfaces;
 };
@@ -161,10 +222,20 @@ CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, cons
   auto out = std::make_shared<Shape>();
   out->path = path;
   guarded(scene, field, path, [&] {
-    const TopoDS_Shape shape = read({scene, field, path}, out->unit);
-    if (shape.IsNull()) return;
-    TopExp::MapShapes(shape, TopAbs_FACE, out->faces);
-    TopExp::MapShapesAndAncestors(shape, TopAbs_EDGE, TopAbs_FACE, out->faces_of_edge);
+    const Content content = read({scene, field, path});
+    out->unit = content.unit;
+    if (content.shape.IsNull()) return;
+    TopExp::MapShapes(content.shape, TopAbs_FACE, out->faces);
+    TopExp::MapShapesAndAncestors(content.shape, TopAbs_EDGE, TopAbs_FACE, out->faces_of_edge);
+    for (const Crossing& c : content.crossings)
+      for (int i = 1; i <= out->faces.Extent(); ++i)
+        for (int k = 1; k <= c.faces.Extent(); ++k)
+          if (out->faces(i).TShape() == c.faces(k).TShape())
+            out->crossed[i - 1] = fmt::format(
+                "is a part of entry {} of the file, whose border crosses or touches itself at ({:.4g}, "
+                "{:.4g}, {:.4g}) m; mend it in the CAD program, or leave its {} faces out by `faces`",
+                c.entry, kMetresPerUnit * c.at.X(), kMetresPerUnit * c.at.Y(), kMetresPerUnit * c.at.Z(),
+                c.faces.Extent());
   });
   scene.check(out->faces.Extent() > 0, field + ".path",
               "'{}' has no face; export a surface, not curves, points or a mesh", path);
@@ -179,13 +250,15 @@ std::vector<CadSurface> CadFile::surfaces(const scene::LoadedScene& scene, const
   const int n = faces();
   scene.check(cad.face() < n, field + ".face", "is {}, but '{}' has {}, counted from 0", cad.face(), shape_->path,
               n == 1 ? "one face" : fmt::format("{} faces", n));
+  const CadPlace place{scene, field, shape_->path, cad.face()};
+  const auto crossed = shape_->crossed.find(cad.face());
+  if (crossed != shape_->crossed.end()) place.check(false, "{}", crossed->second);
   const double scale = cad.has_scale() ? cad.scale() : 1.0;
   const std::tuple<int, double, double> key{cad.face(), scale, cad.fill_holes_m()};
   const auto known = shape_->surfaces.find(key);
   if (known != shape_->surfaces.end()) return known->second;
   return shape_->surfaces[key] = guarded(scene, field, shape_->path, [&] {
-           return convert_face({scene, field, shape_->path, cad.face()}, TopoDS::Face(shape_->faces(cad.face() + 1)),
-                               scale, cad.fill_holes_m());
+           return convert_face(place, TopoDS::Face(shape_->faces(cad.face() + 1)), scale, cad.fill_holes_m());
          });
 }
 

@@ -2,15 +2,18 @@
 #ifdef SUNDER_CAD
 
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRep_Builder.hxx>
 #include <GProp_GProps.hxx>
 #include <GeomAPI_PointsToBSpline.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_BSplineSurface.hxx>
 #include <Geom_ConicalSurface.hxx>
+#include <Geom_Plane.hxx>
 #include <Geom_SphericalSurface.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -216,6 +219,65 @@ TEST_F(CadFace, AFreeFormSheetWithASplineAsItsBorder) {
   const std::vector<TopoDS_Face> faces = faces_of(BRepAlgoAPI_Cut(whole(sheet), tool).Shape());
   ASSERT_EQ(faces.size(), 1u);
   expect_face(faces[0], "elements_u: 32 elements_v: 32", 1e-5);
+}
+
+// OpenCASCADE divides such a face where its border meets itself.
+TEST_F(CadFace, ABorderThatCrossesOrTouchesItselfIsRefused) {
+  const std::vector<std::pair<TopoDS_Face, const char*>> faces{
+      {polygon({{0, 0, 0}, {30, 20, 0}, {30, 0, 0}, {0, 10, 0}}), "(0.01, 0.006667, "},
+      {polygon({{0, 0, 0}, {10, 5, 0}, {20, 0, 0}, {20, 10, 0}, {10, 5, 0}, {0, 10, 0}}), "(0.01, 0.005, "}};
+  for (const auto& [face, at] : faces) {
+    write_step(face, file("a.stp")), write_iges(face, file("a.igs"));
+    for (const char* name : {"a.stp", "a.igs"})
+      for (const char* taken : {"", "face: 0", "face: 1"}) {
+        const std::string told = refusal(fmt::format("path: '{}' {} element_m: 0.002", name, taken));
+        EXPECT_SAYS(told, fmt::format("cad.path: '{}': face {} is a part of entry ", name,
+                                      taken == std::string("face: 1") ? 1 : 0));
+        EXPECT_SAYS(told, std::string("whose border crosses or touches itself at ") + at);
+        EXPECT_SAYS(told, "mend it in the CAD program, or leave its 2 faces out by `faces`");
+      }
+  }
+}
+
+TEST_F(CadFace, HolesThatCrossAreRefused) {
+  TopoDS_Face plate = BRepBuilderAPI_MakeFace(gp_Pln(), -20, 20, -20, 20).Face();
+  for (const double x : {0.0, 5.0}) {
+    BRepBuilderAPI_MakePolygon square;
+    for (const gp_Pnt& p : {gp_Pnt(x, x, 0), gp_Pnt(x + 8, x, 0), gp_Pnt(x + 8, x + 8, 0), gp_Pnt(x, x + 8, 0)})
+      square.Add(p);
+    square.Close();
+    plate = with_hole(plate, square.Wire());
+  }
+  write_step(plate, file("a.stp"));
+  EXPECT_SAYS(refusal("path: 'a.stp' element_m: 0.002"), "'a.stp': hole 1 of the face meets hole 0 of the face at (");
+}
+
+// A rectangle of 40 mm by 20 mm whose last side ends `gap` [mm] short of the first one.
+TopoDS_Face open_rectangle(double gap) {
+  const gp_Pnt corners[5] = {{0, 0, 0}, {40, 0, 0}, {40, 20, 0}, {0, 20, 0}, {0, gap, 0}};
+  const BRep_Builder build;
+  TopoDS_Wire wire;
+  build.MakeWire(wire);
+  for (int k = 0; k < 4; ++k) build.Add(wire, BRepBuilderAPI_MakeEdge(corners[k], corners[k + 1]).Edge());
+  TopoDS_Face face;
+  build.MakeFace(face, new Geom_Plane(gp_Pln()), 1e-7);
+  build.Add(face, wire);
+  return face;
+}
+
+// OpenCASCADE gives the corner a tolerance of half the gap, up to a millimetre.
+TEST_F(CadFace, ABorderWithAGapIsRefusedWithItsPlace) {
+  for (const double gap : {0.5, 3.0}) {
+    write_step(open_rectangle(gap), file("a.stp"));
+    const std::string told = refusal("path: 'a.stp' element_m: 0.002");
+    EXPECT_SAYS(told, fmt::format("'a.stp': face 0 has a border with a gap of {:.3g} m at (", 1e-3 * gap));
+    EXPECT_SAYS(told, fmt::format(", {:.4g}, ", 1e-3 * gap));
+    EXPECT_SAYS(told, " m are allowed; sew it in the CAD program");
+  }
+  write_step(open_rectangle(0.01), file("a.stp"));
+  EXPECT_NEAR(left_of(shell("path: 'a.stp' element_m: 0.002")).area, 8e-4, 1e-6);
+  write_iges(open_rectangle(0.5), file("a.igs"));
+  EXPECT_SAYS(refusal("path: 'a.igs' element_m: 0.002"), "face 0 has a border with a gap of 0.0005 m at (");
 }
 
 TEST_F(CadFace, WhatAFaceCannotHaveIsRefused) {
