@@ -439,6 +439,25 @@ int turned(int sides) {
          (sides & kVMax ? kUMax : 0);
 }
 
+// Area [mm^2]. Throws Error where a face is as narrow as its border is thick: no border could be told from the other.
+double checked_area(const CadPlace& place, const TopoDS_Face& face, const Outline& o) {
+  GProp_GProps properties;
+  BRepGProp::SurfaceProperties(face, properties);
+  const double area = std::abs(properties.Mass());
+  double border = 0.0;
+  for (const Wire& wire : o.wires)
+    for (const Stretch& s : wire)
+      for (int i = 1; i < kRegionSamples; ++i)
+        border += (o.at(s(i / (kRegionSamples - 1.0))) - o.at(s((i - 1) / (kRegionSamples - 1.0)))).norm();
+  const double width = border > 0.0 ? 2.0 * area / border : o.size;
+  place.check(o.wires.empty() || width > kTrimTolerance * o.size,
+              "has an area of {:.3g} m^2 within a border of {:.3g} m: a sliver; remove it in the CAD program, or leave "
+              "it out by `faces`, with seams.tolerance_m of {:.2g} m or more where its neighbours are to be joined",
+              kMetresPerUnit * kMetresPerUnit * area, kMetresPerUnit * border,
+              kMetresPerUnit * std::max(2.0 * width, kTrimTolerance * o.size));
+  return area;
+}
+
 }  // namespace
 
 std::vector<CadSurface> convert_face(const CadPlace& place, const TopoDS_Face& face, double scale, double filled) {
@@ -446,7 +465,9 @@ std::vector<CadSurface> convert_face(const CadPlace& place, const TopoDS_Face& f
   const bool reversed = face.Orientation() == TopAbs_REVERSED;
   const double metres = kMetresPerUnit * scale;
   std::vector<CadSurface> out;
-  const std::vector<Part> parts = parts_of(place, whole, rectangle_of(place, whole));
+  const Rectangle around = rectangle_of(place, whole);
+  const double area = checked_area(place, face, whole);
+  const std::vector<Part> parts = parts_of(place, whole, around);
   for (const Part& part : parts) {
     const Outline outline{whole.surface, part.region, whole.size, whole.tolerance};
     const Rectangle r = shrunk(place, outline, part.r);
@@ -467,9 +488,7 @@ std::vector<CadSurface> convert_face(const CadPlace& place, const TopoDS_Face& f
     }
     out.push_back(std::move(surface));
   }
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(face, properties);
-  for (CadSurface& surface : out) surface.area = std::abs(properties.Mass()) * metres * metres;
+  for (CadSurface& surface : out) surface.area = area * metres * metres;
   return out;
 }
 

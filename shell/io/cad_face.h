@@ -27,7 +27,7 @@ struct CadPlace {
 
 /// Converts a face, in metres times `scale`. Holes no wider than `filled` [m] are left out. A face that closes on
 /// itself, has a crease or a wide arc is divided along its parameters; others are one surface. Throws Error where the
-/// face has no end, a degree above `kHighestDegree`, or borders that are no closed loops.
+/// face has no end, no width, a degree above `kHighestDegree`, or borders that are no closed loops.
 std::vector<CadSurface> convert_face(const CadPlace& place, const TopoDS_Face& face, double scale, double filled);
 
 }  // namespace sunder::shell

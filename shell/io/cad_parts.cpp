@@ -32,6 +32,38 @@ void add_charts(const scene::LoadedScene& scene, int shell, CadFiles& files, std
   }
 }
 
+// Those of the faces of an edge that a shell takes; twice the same where a face meets itself.
+std::vector<int> taken_of(const CadEdge& edge, const std::vector<int>& faces) {
+  std::vector<int> out;
+  for (const int face : edge.faces)
+    if (std::find(faces.begin(), faces.end(), face) != faces.end()) out.push_back(face);
+  return out;
+}
+
+// Throws Error where more than two of the faces of a shell share an edge.
+void check_edges(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad,
+                 const std::vector<CadEdge>& edges, const std::vector<int>& faces) {
+  const double scale = cad.has_scale() ? cad.scale() : 1.0;
+  for (const CadEdge& edge : edges) {
+    std::vector<int> own = taken_of(edge, faces);
+    std::sort(own.begin(), own.end());
+    scene.check(own.size() <= 2, field + ".path",
+                "'{}': faces {} share an edge of {:.3g} m about ({:.4g}, {:.4g}, {:.4g}) m, where a shell joins two "
+                "faces at most; leave faces out until two are left there, such as faces: [{}, {}], or divide the part "
+                "in the CAD program",
+                cad.path(), fmt::join(own, ", "), edge.length * scale, scale * edge.middle.x(), scale * edge.middle.y(),
+                scale * edge.middle.z(), own.size() > 2 ? own[0] : 0, own.size() > 2 ? own[1] : 0);
+  }
+}
+
+// Faces of the file that a shell of the scene takes.
+std::vector<int> faces_of(const std::vector<ScenePart>& parts, int shell) {
+  std::vector<int> out;
+  for (const ScenePart& part : parts)
+    if (part.shell == shell) out.push_back(part.message.cad().face());
+  return out;
+}
+
 }  // namespace
 
 std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& files) {
@@ -60,6 +92,7 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
       faces.push_back(cad.face());
     }
     const std::vector<CadEdge> edges = file.edges();
+    check_edges(scene, field, cad, edges, faces);
     std::vector<ScenePart> own;
     for (const int face : faces) {
       ScenePart part{i, shell, 0, 0.0};
@@ -96,10 +129,12 @@ std::vector<std::vector<char>> may_meet(const scene::LoadedScene& scene, const s
     }
     if (!is_several(parts, i)) continue;
     const auto edges = files.of(scene, fmt::format("shells[{}].cad", i), scene.message.shells(i).cad().path()).edges();
+    const std::vector<int> faces = faces_of(parts, i);
     std::set<std::pair<int, int>> beside;
     std::set<int> free;
     for (const CadEdge& e : edges) {
-      if (e.faces.size() == 1) free.insert(e.faces[0]);
+      const std::vector<int> own = taken_of(e, faces);
+      if (own.size() == 1) free.insert(own[0]);
       for (const int a : e.faces)
         for (const int b : e.faces) beside.insert({a, b});
     }
@@ -126,10 +161,11 @@ void check_joined(const scene::LoadedScene& scene, const std::vector<ScenePart>&
         if (parts[k].shell == i && parts[k].message.cad().face() == face) found.push_back(static_cast<int>(k));
       return found;
     };
+    const std::vector<int> faces = faces_of(parts, i);
     for (const CadEdge& edge : files.of(scene, field, cad.path()).edges()) {
-      if (edge.faces.size() != 2) continue;
-      const std::vector<int> first = parts_of(edge.faces[0]), second = parts_of(edge.faces[1]);
-      if (first.empty() || second.empty()) continue;
+      const std::vector<int> own = taken_of(edge, faces);
+      if (own.size() != 2) continue;
+      const std::vector<int> first = parts_of(own[0]), second = parts_of(own[1]);
       double spacing = 0.0;
       bool joined = false;
       for (const int a : first)
@@ -148,8 +184,8 @@ void check_joined(const scene::LoadedScene& scene, const std::vector<ScenePart>&
           "'{}': faces {} and {} share an edge of {:.3g} m about ({:.4g}, {:.4g}, {:.4g}) m, but '{}' and '{}' do "
           "not meet there; give a larger seams.tolerance_m, or add to seams: rules {{ first: \"{}\" second: "
           "\"{}\" kind: OPEN }}",
-          cad.path(), edge.faces[0], edge.faces[1], edge.length * scale, scale * edge.middle.x(),
-          scale * edge.middle.y(), scale * edge.middle.z(), one, other, one, other);
+          cad.path(), own[0], own[1], edge.length * scale, scale * edge.middle.x(), scale * edge.middle.y(),
+          scale * edge.middle.z(), one, other, one, other);
     }
   }
 }

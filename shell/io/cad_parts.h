@@ -17,12 +17,12 @@ struct ScenePart {
 };
 
 /// The shells of a run, in the order of the scene. A shell of several CAD faces becomes one for each face, or more
-/// where a face is divided. Throws Error where a file cannot be read or has no such face, and where a name of the scene
-/// fits no shell.
+/// where a face is divided. Throws Error where a file cannot be read or has no such face, where three of the faces
+/// share an edge, and where a name of the scene fits no shell.
 std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& files);
 
 /// Which parts may meet: all of different shells; those of one file where it has an edge between their faces, or where
-/// both faces have free edges, as in a file without topology.
+/// both faces have edges that no other face of the shell has, as in a file without topology.
 std::vector<std::vector<char>> may_meet(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts,
                                         CadFiles& files);
 

@@ -280,6 +280,21 @@ TEST_F(CadFace, ABorderWithAGapIsRefusedWithItsPlace) {
   EXPECT_SAYS(refusal("path: 'a.igs' element_m: 0.002"), "face 0 has a border with a gap of 0.0005 m at (");
 }
 
+TEST_F(CadFace, SliversAndFacesWithoutAreaAreRefused) {
+  for (const TopoDS_Face& face :
+       {BRepBuilderAPI_MakeFace(gp_Pln(), 0, 10, 0, 1e-5).Face(), polygon({{0, 0, 0}, {10, 0, 0}, {5, 1e-4, 0}}),
+        polygon({{0, 0, 0}, {10, 0, 0}, {5, 0, 0}})}) {
+    write_step(face, file("a.stp")), write_iges(face, file("a.igs"));
+    for (const char* name : {"a.stp", "a.igs"}) {
+      const std::string told = refusal(fmt::format("path: '{}' element_m: 0.001", name));
+      EXPECT_SAYS(told, fmt::format("cad.path: '{}': face 0 has an area of ", name));
+      EXPECT_SAYS(told, ": a sliver; remove it in the CAD program, or leave it out by `faces`");
+    }
+  }
+  write_step(BRepBuilderAPI_MakeFace(gp_Pln(), 0, 10, 0, 0.1).Face(), file("strip.stp"));
+  EXPECT_EQ(refusal("path: 'strip.stp' element_m: 0.001"), "accepted");
+}
+
 TEST_F(CadFace, WhatAFaceCannotHaveIsRefused) {
   write_step(BRepBuilderAPI_MakeFace(gp_Pln(), circle(10)).Face(), file("disc.stp"));
   EXPECT_SAYS(refusal("path: 'disc.stp' element_m: 1e-6"),

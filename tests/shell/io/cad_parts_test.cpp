@@ -1,19 +1,32 @@
 // All faces of a file as shells that are joined.
 #ifdef SUNDER_CAD
 
+#include <array>
+#include <cstring>
+#include <map>
+
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakeVertex.hxx>
+#include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
 #include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
+#include <BRep_Builder.hxx>
 #include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <gp_Pln.hxx>
 
 #include "shell/io/check.h"
 #include "shell/solver/trimming.h"
@@ -28,6 +41,38 @@ int edges_of(const TopoDS_Shape& shape) {
   TopTools_IndexedMapOfShape edges;
   TopExp::MapShapes(shape, TopAbs_EDGE, edges);
   return edges.Extent();
+}
+
+struct Sheet {
+  gp_Pln plane;
+  std::vector<gp_Pnt> corners;  // [mm]
+};
+
+// Plane faces; corners in one place are one, and so are edges.
+TopoDS_Shape sheets(const std::vector<Sheet>& faces) {
+  using Place = std::array<double, 3>;
+  std::map<Place, TopoDS_Vertex> corners;
+  std::map<std::pair<Place, Place>, TopoDS_Edge> edges;
+  const BRep_Builder build;
+  TopoDS_Shell out;
+  build.MakeShell(out);
+  for (const Sheet& face : faces) {
+    BRepBuilderAPI_MakeWire wire;
+    for (std::size_t k = 0; k < face.corners.size(); ++k) {
+      std::array<Place, 2> ends;
+      for (const int end : {0, 1}) {
+        const gp_Pnt& p = face.corners[(k + end) % face.corners.size()];
+        ends[end] = {p.X(), p.Y(), p.Z()};
+        if (!corners.count(ends[end])) corners[ends[end]] = BRepBuilderAPI_MakeVertex(p).Vertex();
+      }
+      std::sort(ends.begin(), ends.end());
+      TopoDS_Edge& edge = edges[{ends[0], ends[1]}];
+      if (edge.IsNull()) edge = BRepBuilderAPI_MakeEdge(corners[ends[0]], corners[ends[1]]).Edge();
+      wire.Add(edge);
+    }
+    build.Add(out, BRepBuilderAPI_MakeFace(face.plane, wire.Wire()).Face());
+  }
+  return out;
 }
 
 class CadParts : public Cad {
@@ -222,6 +267,41 @@ TEST_F(CadParts, ClosedFacesAreDivided) {
     BRepGProp::SurfaceProperties(s.shape, p);
     EXPECT_NEAR(mass / (2500 * 0.0001 * 1e-6 * p.Mass()), 1.0, 2e-5);  // quadrature of coarse arcs
   }
+}
+
+TEST_F(CadParts, ThreeFacesAtAnEdgeAreRefusedAndTwoOfThemAreJoined) {
+  const gp_Pln flat, up(gp_Pnt(), gp::DX());
+  write_step(sheets({{flat, {{0, 0, 0}, {30, 0, 0}, {30, 20, 0}, {0, 20, 0}}},
+                     {flat, {{0, 20, 0}, {-30, 20, 0}, {-30, 0, 0}, {0, 0, 0}}},
+                     {up, {{0, 0, 0}, {0, 20, 0}, {0, 20, 15}, {0, 0, 15}}}}),
+             file("a.stp"));
+  const std::string told = refusal("path: 'a.stp' element_m: 0.0025");
+  EXPECT_SAYS(told, "shells[0].cad.path: 'a.stp': faces 0, 1, 2 share an edge of 0.02 m about (0, 0.01, 0) m");
+  EXPECT_SAYS(told, "leave faces out until two are left there, such as faces: [0, 1], or divide the part");
+  for (const char* two : {"faces: [0, 1]", "faces: [1, 2]", "faces: [2, 0]"}) {
+    const RunSetup r = setup(std::string("path: 'a.stp' element_m: 0.0025 ") + two);
+    EXPECT_EQ(r.shells.size(), 2u) << two;
+    EXPECT_EQ(r.stitches.seams.size(), 1u) << two;
+  }
+}
+
+// Its neighbours have no edge in common, so they meet by their places.
+TEST_F(CadParts, ASliverIsRefusedAndCanBeLeftOut) {
+  const double w = 1e-4;  // [mm]
+  write_step(sheets({{gp_Pln(), {{0, 0, 0}, {20, 0, 0}, {20, 20, 0}, {0, 20, 0}}},
+                     {gp_Pln(), {{20, 0, 0}, {20 + w, 0, 0}, {20 + w, 20, 0}, {20, 20, 0}}},
+                     {gp_Pln(), {{20 + w, 0, 0}, {40, 0, 0}, {40, 20, 0}, {20 + w, 20, 0}}}}),
+             file("a.stp"));
+  EXPECT_SAYS(refusal("path: 'a.stp' element_m: 0.002"),
+              " has an area of 2e-09 m^2 within a border of 0.04 m: a sliver");
+  std::string others;
+  for (int k = 0; k < 3; ++k)
+    if (refusal(fmt::format("path: 'a.stp' face: {} element_m: 0.002", k)) == "accepted")
+      others += fmt::format("faces: {} ", k);
+  EXPECT_EQ(others.size(), 2 * std::strlen("faces: 0 ")) << others;
+  const std::string cad = "path: 'a.stp' element_m: 0.002 " + others;
+  EXPECT_EQ(setup(cad).stitches.seams.size(), 0u);
+  EXPECT_EQ(setup(cad, "seams { tolerance_m: 4e-7 }").stitches.seams.size(), 1u);
 }
 
 // The branch of a tee: its end runs along a curve on the other cylinder, which loses a window there.
