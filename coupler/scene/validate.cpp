@@ -102,6 +102,7 @@ void cad_face(const Scene& s, const std::string& f, const proto::CadFace& c) {
           "is given, and so are elements_u or elements_v; leave one of them out");
   not_negative(s, f + ".fill_holes_m", true, c.fill_holes_m());
   if (c.has_scale()) positive(s, f + ".scale", true, c.scale(), "-");
+  if (c.has_unit_m()) positive(s, f + ".unit_m", true, c.unit_m(), "m");
   refinement(s, f, c);
   pose(s, f + ".pose", c.pose());
 }

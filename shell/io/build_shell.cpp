@@ -83,7 +83,7 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
   if (s.has_cad()) {
     const auto& c = s.cad();
     return at_field(scene, field + ".cad", [&] {
-      CadSurface face = files.of(scene, field + ".cad", c.path()).surfaces(scene, field + ".cad", c).at(part);
+      CadSurface face = files.of(scene, field + ".cad", c).surfaces(scene, field + ".cad", c).at(part);
       loops = std::move(face.loops);
       const auto [u, v] = elements_of(scene, c, face.patch, field + ".cad");
       return posed(refined_at_least(face.patch, u, v), c);

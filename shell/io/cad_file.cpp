@@ -9,7 +9,7 @@ struct CadFile::Shape {
   std::string unit;
 };
 
-CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, const std::string&) {
+CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace&) {
   scene.fail(field,
              "this build has no OpenCASCADE, which reads STEP and IGES; `coupler/sunder` of a checkout builds with it "
              "where SUNDER_BUILD_DIR is unset");
@@ -41,10 +41,12 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
+#include <BRepBuilderAPI_Transform.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <GCPnts_AbscissaPoint.hxx>
 #include <IGESControl_Reader.hxx>
+#include <IGESData_BasicEditor.hxx>
 #include <IGESData_GlobalSection.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <Interface_Check.hxx>
@@ -67,6 +69,7 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <gp_Trsf.hxx>
 
 #include "shell/io/cad_face.h"
 
@@ -152,14 +155,78 @@ std::vector<Crossing> crossings_of(const XSControl_Reader& reader) {
   return out;
 }
 
+// Unit of length of a file.
+struct Unit {
+  std::string name;    // empty: the file says none
+  double taken = 1.0;  // by OpenCASCADE, where the file says none [mm]
+};
+
+Unit unit_of(XSControl_Reader& reader, bool step) {
+  Unit out;
+  if (step) {
+    TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
+    static_cast<STEPControl_Reader&>(reader).FileUnits(lengths, angles, solid_angles);
+    for (int i = 1; i <= lengths.Length() && out.name.empty(); ++i) out.name = lengths(i).ToCString();
+    // Shapes that belong to no product have units, but are not asked
+    const auto model = reader.WS()->Model();
+    for (int i = 1; i <= model->NbEntities() && lengths.IsEmpty() && out.name.empty(); ++i)
+      if (std::string(model->Value(i)->DynamicType()->Name()).ends_with("LengthUnit")) out.name = "of the file";
+    return out;
+  }
+  const auto model = opencascade::handle<IGESData_IGESModel>::DownCast(reader.WS()->Model());
+  if (model.IsNull()) return out;
+  const IGESData_GlobalSection& global = model->GlobalSection();
+  if (!global.UnitName().IsNull()) out.name = global.UnitName()->ToCString();
+  // Where the number of the unit is missing, OpenCASCADE takes that of inches, 1.
+  if (out.name.empty() && global.UnitFlag() > 1 && global.UnitFlag() != 3)
+    out.name = IGESData_BasicEditor::UnitFlagName(global.UnitFlag());
+  out.taken = global.UnitValue();
+  return out;
+}
+
 // What is read of a file.
 struct Content {
   TopoDS_Shape shape;
-  std::string unit;  // of length
-  std::vector<Crossing> crossings;
+  std::string unit;                    // of length
+  std::map<int, std::string> crossed;  // faces whose border crosses itself, and what is said of it
 };
 
-Content read(const CadPlace& place) {
+// Brings a file that says no unit to millimetres. Throws Error where its unit is given twice or not at all.
+void set_unit(const CadPlace& place, const proto::CadFace& cad, const Unit& unit, Content& out, double& factor) {
+  const std::string field = place.field + ".unit_m";
+  place.scene.check(!unit.name.empty() || cad.has_unit_m(), field,
+                    "is missing, and '{}' says no unit of length; give 0.001 for millimetres, 0.0254 for inches",
+                    place.path);
+  place.scene.check(unit.name.empty() || !cad.has_unit_m(), field,
+                    "is {} m, and '{}' says its unit, {}; leave it out, or give a scale", cad.unit_m(), place.path,
+                    unit.name);
+  out.unit = unit.name;
+  if (!cad.has_unit_m()) return;
+  out.unit = fmt::format("{:g} m", cad.unit_m());
+  factor = cad.unit_m() / (kMetresPerUnit * unit.taken);
+  if (factor == 1.0 || out.shape.IsNull()) return;
+  gp_Trsf scaled;
+  scaled.SetScale(gp_Pnt(), factor);
+  out.shape = BRepBuilderAPI_Transform(out.shape, scaled, Standard_True).Shape();
+}
+
+// What is said of faces whose border meets itself; `faces` are all of the file.
+std::map<int, std::string> crossed_faces(const std::vector<Crossing>& crossings,
+                                         const TopTools_IndexedMapOfShape& faces, double factor) {
+  std::map<int, std::string> out;
+  const double metres = kMetresPerUnit * factor;
+  for (const Crossing& c : crossings)
+    for (int i = 1; i <= faces.Extent(); ++i)
+      for (int k = 1; k <= c.faces.Extent(); ++k)
+        if (faces(i).TShape() == c.faces(k).TShape())
+          out[i - 1] = fmt::format(
+              "is a part of entry {} of the file, whose border crosses or touches itself at ({:.4g}, "
+              "{:.4g}, {:.4g}) m; mend it in the CAD program, or leave its {} faces out by `faces`",
+              c.entry, metres * c.at.X(), metres * c.at.Y(), metres * c.at.Z(), c.faces.Extent());
+  return out;
+}
+
+Content read(const CadPlace& place, const proto::CadFace& cad) {
   const std::string field = place.field + ".path";
   const std::filesystem::path file = place.scene.file_beside(field, place.path);
   std::string suffix = file.extension();
@@ -191,18 +258,13 @@ Content read(const CadPlace& place) {
   }
   place.scene.check(faults == 0, field, "'{}' is damaged: {} entries, the first with \"{}\"; export it again",
                     place.path, faults, first);
-  Content out{{}, "unknown", {}};
-  if (step) {
-    TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
-    static_cast<STEPControl_Reader&>(*reader).FileUnits(lengths, angles, solid_angles);
-    if (lengths.Length() > 0) out.unit = lengths(1).ToCString();
-  } else if (const auto model = opencascade::handle<IGESData_IGESModel>::DownCast(reader->WS()->Model());
-             !model.IsNull() && !model->GlobalSection().UnitName().IsNull()) {
-    out.unit = model->GlobalSection().UnitName()->ToCString();
-  }
   reader->TransferRoots();
-  out.shape = reader->OneShape();
-  out.crossings = crossings_of(*reader);
+  Content out{reader->OneShape(), {}, {}};
+  TopTools_IndexedMapOfShape faces;
+  if (!out.shape.IsNull()) TopExp::MapShapes(out.shape, TopAbs_FACE, faces);
+  double factor = 1.0;
+  set_unit(place, cad, unit_of(*reader, step), out, factor);
+  out.crossed = crossed_faces(crossings_of(*reader), faces, factor);
   return out;
 }
 
@@ -212,30 +274,22 @@ struct CadFile::Shape {
   std::string path, unit;
   TopTools_IndexedMapOfShape faces;  // numbered from 1, each once
   TopTools_IndexedDataMapOfShapeListOfShape faces_of_edge;
-  std::map<int, std::string> crossed;  // faces whose border crosses itself, and what is said of it
+  std::map<int, std::string> crossed;  // as Content has them
   // by face, scale and width of filled holes: some take long to approximate
   mutable std::map<std::tuple<int, double, double>, std::vector<CadSurface> > surfaces;
 };
 
-CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, const std::string& path) {
+CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) {
+  const std::string& path = cad.path();
   const Quiet quiet;
   auto out = std::make_shared<Shape>();
   out->path = path;
   guarded(scene, field, path, [&] {
-    const Content content = read({scene, field, path});
-    out->unit = content.unit;
+    const Content content = read({scene, field, path}, cad);
+    out->unit = content.unit, out->crossed = content.crossed;
     if (content.shape.IsNull()) return;
     TopExp::MapShapes(content.shape, TopAbs_FACE, out->faces);
     TopExp::MapShapesAndAncestors(content.shape, TopAbs_EDGE, TopAbs_FACE, out->faces_of_edge);
-    for (const Crossing& c : content.crossings)
-      for (int i = 1; i <= out->faces.Extent(); ++i)
-        for (int k = 1; k <= c.faces.Extent(); ++k)
-          if (out->faces(i).TShape() == c.faces(k).TShape())
-            out->crossed[i - 1] = fmt::format(
-                "is a part of entry {} of the file, whose border crosses or touches itself at ({:.4g}, "
-                "{:.4g}, {:.4g}) m; mend it in the CAD program, or leave its {} faces out by `faces`",
-                c.entry, kMetresPerUnit * c.at.X(), kMetresPerUnit * c.at.Y(), kMetresPerUnit * c.at.Z(),
-                c.faces.Extent());
   });
   scene.check(out->faces.Extent() > 0, field + ".path",
               "'{}' has no face; export a surface, not curves, points or a mesh", path);

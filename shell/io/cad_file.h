@@ -42,8 +42,9 @@ struct CadEdge {
 /// A file that has been read.
 class CadFile {
  public:
-  /// Throws Error where OpenCASCADE is missing or the file cannot be read.
-  CadFile(const scene::LoadedScene& scene, const std::string& field, const std::string& path);
+  /// Reads the file `cad.path`. Throws Error where OpenCASCADE is missing, the file cannot be read, or neither the file
+  /// nor `cad.unit_m` says its unit.
+  CadFile(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad);
 
   /// Number of faces.
   int faces() const;
@@ -56,7 +57,7 @@ class CadFile {
   std::vector<CadEdge> edges() const;
   /// Kind of a face's surface, for example "plane".
   std::string kind(int face) const;
-  /// Unit of length, as the file has it; "unknown" where it says none.
+  /// Unit of length, as the file has it, or the given one.
   const std::string& unit() const;
   /// Lower and upper corner of a box around all faces [m].
   std::pair<Vec3, Vec3> box() const;
@@ -71,16 +72,17 @@ struct MeshShells;
 /// The files of a scene, CAD and meshes. Each is read once.
 class CadFiles {
  public:
-  const CadFile& of(const scene::LoadedScene& scene, const std::string& field, const std::string& path) {
-    const auto known = files_.find(path);
-    return known != files_.end() ? known->second : files_.emplace(path, CadFile(scene, field, path)).first->second;
+  const CadFile& of(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) {
+    const std::pair<std::string, double> key{cad.path(), cad.unit_m()};
+    const auto known = files_.find(key);
+    return known != files_.end() ? known->second : files_.emplace(key, CadFile(scene, field, cad)).first->second;
   }
 
   /// The shells of a mesh (mesh_parts.h); `field` is that of the mesh.
   const MeshShells& mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& mesh);
 
  private:
-  std::map<std::string, CadFile> files_;
+  std::map<std::pair<std::string, double>, CadFile> files_;  // by path and unit_m
   std::map<std::string, std::shared_ptr<const MeshShells>> meshes_;
 };
 

@@ -81,7 +81,7 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
       continue;
     }
     std::vector<int> faces(cad.faces().begin(), cad.faces().end());
-    const CadFile& file = files.of(scene, field, cad.path());
+    const CadFile& file = files.of(scene, field, cad);
     if (!cad.has_face()) {
       const int count = file.faces();
       for (int k = 0; k < cad.faces_size(); ++k)
@@ -128,7 +128,7 @@ std::vector<std::vector<char>> may_meet(const scene::LoadedScene& scene, const s
             out[a][b] = beside.count(std::minmax(parts[a].part, parts[b].part)) != 0;
     }
     if (!is_several(parts, i)) continue;
-    const auto edges = files.of(scene, fmt::format("shells[{}].cad", i), scene.message.shells(i).cad().path()).edges();
+    const auto edges = files.of(scene, fmt::format("shells[{}].cad", i), scene.message.shells(i).cad()).edges();
     const std::vector<int> faces = faces_of(parts, i);
     std::set<std::pair<int, int>> beside;
     std::set<int> free;
@@ -162,7 +162,7 @@ void check_joined(const scene::LoadedScene& scene, const std::vector<ScenePart>&
       return found;
     };
     const std::vector<int> faces = faces_of(parts, i);
-    for (const CadEdge& edge : files.of(scene, field, cad.path()).edges()) {
+    for (const CadEdge& edge : files.of(scene, field, cad).edges()) {
       const std::vector<int> own = taken_of(edge, faces);
       if (own.size() != 2) continue;
       const std::vector<int> first = parts_of(own[0]), second = parts_of(own[1]);

@@ -6,8 +6,11 @@
 #include <limits>
 #include <memory>
 
+#include <Eigen/Geometry>
+
 #include "shell/contact/proxy.h"
 #include "shell/io/felt.h"
+#include "shell/io/mesh_parts.h"
 #include "shell/io/space_places.h"
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
@@ -121,8 +124,24 @@ std::string size_lines(const ShellModel& m, double step) {
       m.tables.gauss_points() * static_cast<int>(m.tables.layers.zeta.size()), m.spacing, step);
 }
 
-std::string warning_lines(const RunSetup& setup) {
+// Warnings of meshes whose unit may have been forgotten.
+std::string mesh_warnings(const scene::LoadedScene& scene, const RunSetup& setup) {
   std::string out;
+  for (int i = 0; i < scene.message.shells_size(); ++i) {
+    const proto::Shell& shell = scene.message.shells(i);
+    if (!shell.has_mesh() || shell.mesh().has_unit_m()) continue;
+    Eigen::AlignedBox3d box;
+    for (const ShellSetup& part : setup.shells)
+      if (index_of(scene, part.model.name) == i)
+        for (const Vec3& x : part.model.patch.control_points) box.extend(x);
+    const std::string warning = unit_warning(shell.mesh().path(), box.sizes().maxCoeff(), "unit_m");
+    if (!warning.empty()) out += "warning        " + warning + "\n";
+  }
+  return out;
+}
+
+std::string warning_lines(const scene::LoadedScene& scene, const RunSetup& setup) {
+  std::string out = mesh_warnings(scene, setup);
   for (const std::string& warning :
        {too_thick(setup.shells, setup.stitches.seams), felt_late(setup.shells, setup.bodies)})
     if (!warning.empty()) out += "warning        " + warning + "\n";
@@ -166,7 +185,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   }
   if (setup.steps > 0) {
     out += fmt::format("equilibria     {}\nmemory         about {:.0f} MB\n", setup.steps, memory);
-    return out + warning_lines(setup);
+    return out + warning_lines(scene, setup);
   }
   const double least = setup.time_step > 0.0 ? setup.time_step * (1.0 - 1e-9) : smallest;
   scene.check(setup.tick >= least, setup.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s",
@@ -193,7 +212,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
       "               cracks can make a substep some three times as long; bodies alone come on top\n",
       substeps * cost / 60.0, 1e3 * cost);
   out += fmt::format("memory         about {:.0f} MB\n", memory);
-  return out + warning_lines(setup) + soft_report(scene, setup);
+  return out + warning_lines(scene, setup) + soft_report(scene, setup);
 }
 
 }  // namespace sunder::shell

@@ -19,7 +19,7 @@ constexpr double kElements = 40.0;       // along the diagonal of a file, by def
 constexpr double kThicknessShare = 0.2;  // of an element: any thickness does
 
 // A scene with one shell, of which the file is to become the patch.
-scene::LoadedScene scene_of(const std::string& file, double element) {
+scene::LoadedScene scene_of(const std::string& file, double element, double unit) {
   scene::LoadedScene scene;
   const std::filesystem::path path = std::filesystem::absolute(file);
   scene.path = path.parent_path() / "inspect.textproto";
@@ -30,6 +30,7 @@ scene::LoadedScene scene_of(const std::string& file, double element) {
   proto::Shell& shell = *scene.message.add_shells();
   shell.set_name("part"), shell.set_material("steel"), shell.set_thickness_m(kThicknessShare * element);
   shell.mutable_cad()->set_path(path.filename()), shell.mutable_cad()->set_element_m(element);
+  if (unit > 0.0) shell.mutable_cad()->set_unit_m(unit);
   return scene;
 }
 
@@ -37,6 +38,7 @@ scene::LoadedScene scene_of(const std::string& file, double element) {
 std::string subject_of(const std::string& field) {
   const std::string last = field.substr(field.rfind('.') + 1);
   if (last == "element_m") return "--element ";
+  if (last == "unit_m") return "--unit ";
   return last.empty() || last == "path" || last == "cad" || last == "shells[0]" || last == "seams" ? "" : last + " ";
 }
 
@@ -52,7 +54,7 @@ std::string problem_of(const scene::LoadedScene& scene, const Error& e) {
 // The file, which has no scene yet: an Error is about the file itself.
 const CadFile& read(const scene::LoadedScene& scene, CadFiles& files, const std::string& file) {
   try {
-    return files.of(scene, "shells[0].cad", scene.message.shells(0).cad().path());
+    return files.of(scene, "shells[0].cad", scene.message.shells(0).cad());
   } catch (const Error& e) {
     Error plain(e.status, "bad_input", file + ": " + problem_of(scene, e));
     plain.file = file;
@@ -116,13 +118,13 @@ Json edges_of(const CadFile& file) {
 
 }  // namespace
 
-std::string inspect_report(const std::string& file, double element) {
-  const scene::LoadedScene first = scene_of(file, 1.0);
+std::string inspect_report(const std::string& file, double element, double unit) {
+  const scene::LoadedScene first = scene_of(file, 1.0, unit);
   CadFiles files;
   const CadFile& cad = read(first, files, file);
   const auto [low, high] = cad.box();
   if (element <= 0.0) element = (high - low).norm() / kElements;
-  scene::LoadedScene scene = scene_of(file, element);
+  scene::LoadedScene scene = scene_of(file, element, unit);
   Json faces = Json::array();
   std::vector<int> taken;
   for (int k = 0; k < cad.faces(); ++k) {
@@ -134,6 +136,7 @@ std::string inspect_report(const std::string& file, double element) {
   const Vec3 size = high - low;
   Json out = {{"file", file},
               {"unit", cad.unit()},
+              {"unit_m", unit > 0.0 ? Json(unit) : Json()},
               {"low_m", {low.x(), low.y(), low.z()}},
               {"size_m", {size.x(), size.y(), size.z()}},
               {"element_m", element},

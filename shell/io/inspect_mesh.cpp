@@ -96,12 +96,15 @@ std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {
   const MeshEdges edges = edges_of(mesh);
   const Vec3 low = box.min(), size = box.sizes();
   const scene::LoadedScene scene = mesh_scene(file, asked);
+  const std::string warning =
+      asked.has_unit ? "" : unit_warning(scene.message.shells(0).mesh().path(), size.maxCoeff(), "--unit");
   MeshJson out = {{"file", file},
                   {"low_m", {low.x(), low.y(), low.z()}},
                   {"size_m", {size.x(), size.y(), size.z()}},
                   {"element_m", asked.element},
                   {"unit_m", asked.unit},
                   {"weld_m", asked.weld},
+                  {"warning", warning.empty() ? MeshJson() : MeshJson(warning)},
                   {"thickness_m", scene.message.shells(0).thickness_m()},
                   {"faces", read.faces},
                   {"points", mesh.points.size()},

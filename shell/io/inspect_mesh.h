@@ -9,9 +9,10 @@ bool is_mesh_file(const std::string& file);
 
 /// What is asked of a mesh, as in a scene.
 struct MeshQuestion {
-  double element = 0.0;  // spacing [m]; 0: a fortieth of the file's size
-  double unit = 1.0;     // of the file [m]
-  double weld = 0.0;     // points no further apart become one [m]
+  double element = 0.0;   // spacing [m]; 0: a fortieth of the file's size
+  double unit = 1.0;      // of the file [m]
+  double weld = 0.0;      // points no further apart become one [m]
+  bool has_unit = false;  // whether `unit` was given
 };
 
 /// As JSON: counts, borders, size, area, and charts with size, stretch, error and stable step. What a scene would be

@@ -10,8 +10,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kDefaultCrease = 40.0;  // [deg]
-constexpr std::size_t kMostListed = 20;  // names in a message
+constexpr double kDefaultCrease = 40.0;                // [deg]
+constexpr std::size_t kMostListed = 20;                // names in a message
+constexpr double kLeastMesh = 1e-3, kMostMesh = 10.0;  // [m]: beyond, a unit may have been forgotten
 constexpr double kDegreeOfMesh = std::numbers::pi / 180.0;
 
 double crease_of(const proto::SurfaceMesh& m) { return m.has_crease_deg() ? m.crease_deg() : kDefaultCrease; }
@@ -116,6 +117,12 @@ ShellMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& fi
     scene.fail(field + ".path", fmt::format("'{}' {}", m.path(), e.what()));
   }
   return out;
+}
+
+std::string unit_warning(const std::string& path, double size, const std::string& option) {
+  if (size >= kLeastMesh && size <= kMostMesh) return "";
+  return fmt::format("'{}' is taken in metres, {:.3g} m long, as no {} is given; give 0.001 for millimetres, or 1",
+                     path, size, option);
 }
 
 proto::Shell shell_of_chart(const proto::Shell& shell, const MeshShells& mesh, int chart) {

@@ -41,6 +41,10 @@ struct ShellMesh {
 /// place and remedy where the surface is no shell, or has no such parts.
 ShellMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& mesh);
 
+/// Warning where a mesh for which no unit is given is above 10 m or below 1 mm long; else empty. `size` is its longest
+/// side [m], `option` what gives the unit.
+std::string unit_warning(const std::string& path, double size, const std::string& option);
+
 /// The shell of a chart: that of the scene with what its part of the mesh has of its own.
 proto::Shell shell_of_chart(const proto::Shell& shell, const MeshShells& mesh, int chart);
 

@@ -59,7 +59,7 @@ END-ISO-10303-21;
 """
 
 TOLD: dict[str, Any] = {
-    "file": "part.step", "unit": "millimetre", "low_m": [0.0, 0.0, -0.002], "size_m": [0.03, 0.02, 0.004],
+    "file": "part.step", "unit": "millimetre", "unit_m": None, "low_m": [0.0, 0.0, -0.002], "size_m": [0.03, 0.02, 0.004],
     "element_m": 0.001, "thickness_m": 0.0002, "taken": [0, 1],
     "faces": [
         {"face": 0, "kind": "plane", "degree": 2, "width_m": [0.03, 0.02], "area_m2": 5.2e-4, "approximated_m": 2e-8, "parts": 3, "parts_trimmed": 0,
@@ -133,6 +133,13 @@ class Inspect(unittest.TestCase):
             write_scene(scene, Path(folder) / "part.step", {**TOLD, "faces": TOLD["faces"][:2], "taken": [0, 1]})
             self.assertNotIn("faces:", scene.read_text())
 
+    def test_the_scene_has_the_unit_that_is_given(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            scene = Path(folder) / "a.textproto"
+            write_scene(scene, Path(folder) / "part.step", {**TOLD, "faces": TOLD["faces"][:2], "unit_m": 0.0254})
+            self.assertIn("# All faces of part.step", scene.read_text())
+            self.assertIn('cad { path: "part.step" unit_m: 0.0254 element_m: 0.001 }', scene.read_text())
+
     def test_a_scene_that_is_not_beside_the_file_is_refused(self) -> None:
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as other:
             with self.assertRaisesRegex(CommandError, "is not beside"):
@@ -205,9 +212,9 @@ class Programs(unittest.TestCase):
         self.assertIn("ball.textproto is written, and passes sunder check", done.stdout)
         self.assertIn('mesh { path: "ball.obj" unit_m: 0.001 weld_m: 1e-06 element_m: 0.008 }', (self.folder / "ball.textproto").read_text())
         (self.folder / "part.step").write_text("ISO-10303-21;\n")
-        done = self.inspect("part.step", "--unit", "0.001")
+        done = self.inspect("part.step", "--weld", "0.001")
         self.assertEqual(done.returncode, BAD_INPUT)
-        self.assertIn("--unit: is for mesh files", done.stderr)
+        self.assertIn("--weld: is for mesh files", done.stderr)
 
     def test_a_mesh_that_is_refused_is_told_and_has_no_scene(self) -> None:
         (self.folder / "a.off").write_text("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
@@ -232,6 +239,21 @@ class Programs(unittest.TestCase):
         self.assertIn("ball.textproto is written, and passes sunder check ball.textproto\n  substeps ", done.stdout)
         self.assertIn("probes", self.check_with('output { probes { name: "p" shell: "part" } }'))
         self.assertEqual(self.check_with('output { probes { name: "p" shell: "part.6" } }'), "")
+
+    @unittest.skipUnless(HAS_CAD, f"{BUILD} is without OpenCASCADE")
+    def test_a_file_without_a_unit_needs_one(self) -> None:
+        (self.folder / "ball.step").write_text(SPHERE.replace("((#28,#29,#30))", "((#29,#30))"))
+        done = self.inspect("ball.step", "--element", "0.006")
+        self.assertEqual(done.returncode, BAD_INPUT, done.stdout)
+        self.assertIn("ball.step: --unit is missing, and 'ball.step' says no unit of length; give 0.001 for millimetres", done.stderr)
+        done = self.inspect("ball.step", "--element", "0.06", "--unit", "0.01", "--scene", "ball.textproto")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertIn("1 face, 0.5 x 0.5 x 0.5 m, unit 0.01 m,", done.stdout)
+        self.assertIn('cad { path: "ball.step" unit_m: 0.01 element_m: 0.06 }', (self.folder / "ball.textproto").read_text())
+        (self.folder / "known.step").write_text(SPHERE)
+        done = self.inspect("known.step", "--unit", "0.001")
+        self.assertEqual(done.returncode, BAD_INPUT)
+        self.assertIn("known.step: --unit is 0.001 m, and 'known.step' says its unit, millimetre; leave it out", done.stderr)
 
     def check_with(self, more: str) -> str:
         """What is refused of the sphere's scene with more in it."""

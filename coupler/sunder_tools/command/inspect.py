@@ -41,7 +41,7 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("file", metavar="FILE", type=Path, help="a .step, .stp, .igs or .iges file,\nor a mesh: .obj, .off, .ply or .stl")
     parser.add_argument("--element", metavar="M", type=_length,
                         help="spacing of shells [m] (default: a fortieth of the size)")
-    parser.add_argument("--unit", metavar="M", type=_length, help="unit of a mesh [m], 0.001 for millimetres (default: 1)")
+    parser.add_argument("--unit", metavar="M", type=_length, help="unit [m], 0.001 for millimetres: of a mesh (default: 1),\nor of a CAD file that says none")
     parser.add_argument("--weld", metavar="M", type=_length,
                         help="points of a mesh no further apart become one (default: only equal ones)")
     parser.add_argument("--json", action="store_true", help="print all as JSON")
@@ -114,6 +114,8 @@ def mesh_report(told: dict[str, Any]) -> str:
              f"{_count(told['components'], 'component')}, {_count(edges['borders'], 'border')} of "
              f"{_count(edges['on_borders'], 'edge')}, {told['points_merged']} points merged, "
              f"{told['triangles_turned']} triangles turned over, {told['triangles_dropped']} with two corners in one place"]
+    if told["warning"] is not None:
+        lines.append(f"warning: {told['warning']}")
     for kind in ("groups", "usemtl"):
         if told[kind]:
             lines.append(f"{kind}: " + ", ".join(f"{own['name']} ({_count(own['triangles'], 'triangle')})" for own in told[kind]))
@@ -146,16 +148,18 @@ def write_scene(scene: Path, file: Path, told: dict[str, Any]) -> None:
     if scene.exists():
         raise CommandError(f"'{scene}' exists; give another name, or remove it", BAD_INPUT)
     mesh = "charts" in told
+    everything = mesh or len(told["taken"]) == len(told["faces"])
     if told["refused"] is not None if mesh else not told["taken"]:
         raise CommandError(f"no face of '{file}' can be taken, so there is no scene to write", BAD_INPUT)
     if mesh:
         more = "".join(f"{name}: {told[name]:.6g} " for name, usual in (("unit_m", 1.0), ("weld_m", 0.0)) if told[name] != usual)
     else:
-        more = "" if len(told["taken"]) == len(told["faces"]) else "".join(f"faces: {n} " for n in told["taken"])
+        more = "" if told["unit_m"] is None else f"unit_m: {told['unit_m']:.6g} "
+        more += "" if everything else "".join(f"faces: {n} " for n in told["taken"])
     element = told["element_m"]
     thickness = told["thickness_m"]
     name = "".join(c if c.isascii() and c.isalnum() else "_" for c in scene.stem.lower())
-    scene.write_text(SCENE.format(which="Faces" if more and not mesh else "All faces", path=path.as_posix(), name=name, thickness=thickness,
+    scene.write_text(SCENE.format(which="All faces" if everything else "Faces", path=path.as_posix(), name=name, thickness=thickness,
                                   more=more, element=element, kind="mesh" if mesh else "cad",
                                   shells="charts that are joined" if mesh else
                                   "shells, joined along the edges that they share",

@@ -99,6 +99,43 @@ TEST_F(Cad, ACylinderOfAnIgesFileToItsDigits) {
     }
 }
 
+// Takes the unit of length out of a file of write_step or write_iges.
+void forget_unit(const std::string& file) {
+  std::ifstream in(file);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (file.ends_with(".stp")) {
+    std::size_t at = text.find("GLOBAL_UNIT_ASSIGNED_CONTEXT");
+    ASSERT_NE(at, std::string::npos);
+    at = text.find("(#", at) + 1;
+    text.erase(at, text.find(',', at) + 1 - at);  // the first of the units
+  } else {
+    const std::string said = ",2,2HMM,", left = ",,,";
+    const std::size_t at = text.find(said);
+    ASSERT_NE(at, std::string::npos);
+    text.replace(at, said.size(), left);
+    text.insert(text.find('G', at), said.size() - left.size(), ' ');  // the letter is in column 73
+  }
+  std::ofstream(file) << text;
+}
+
+TEST_F(Cad, AFileWithoutAUnitNeedsOne) {
+  write_step(sector(90), file("a.stp")), write_iges(sector(90), file("a.igs"));
+  for (const char* name : {"a.stp", "a.igs"}) {
+    EXPECT_SAYS(refusal(fmt::format("path: '{}' unit_m: 0.001", name)),
+                fmt::format("cad.unit_m: is 0.001 m, and '{}' says its unit, ", name));
+    forget_unit(file(name));
+    EXPECT_SAYS(
+        refusal(fmt::format("path: '{}'", name)),
+        fmt::format("cad.unit_m: is missing, and '{}' says no unit of length; give 0.001 for millimetres", name));
+    expect_cylinder(patch(fmt::format("path: '{}' unit_m: 0.001", name)), 90, 1e-6);
+    expect_cylinder(patch(fmt::format("path: '{}' unit_m: 0.0254 scale: {:.17g}", name, 1.0 / 25.4)), 90, 1e-6);
+    Eigen::AlignedBox3d box;
+    for (const Vec3& x : patch(fmt::format("path: '{}' unit_m: 1", name)).control_points) box.extend(x);
+    EXPECT_NEAR(box.sizes().z(), kLength, 1e-4);
+  }
+  EXPECT_SAYS(refusal("path: 'a.stp' unit_m: 0"), "cad.unit_m: is 0");
+}
+
 TEST_F(Cad, APlaneIsARectangleWithTheNormalOfTheFace) {
   const TopoDS_Face plane = BRepBuilderAPI_MakeFace(gp_Pln(), -20, 30, 0, 10).Face();
   for (const bool reversed : {false, true}) {

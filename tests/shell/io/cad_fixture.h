@@ -58,7 +58,7 @@ shells {
     setup(cad);
     const scene::LoadedScene scene = scene::load(file("scene.textproto"), {});
     CadFiles files;
-    return files.of(scene, "shells[0].cad", scene.message.shells(0).cad().path())
+    return files.of(scene, "shells[0].cad", scene.message.shells(0).cad())
         .surfaces(scene, "shells[0].cad", scene.message.shells(0).cad())[0];
   }
   std::string refusal(const std::string& cad) const {

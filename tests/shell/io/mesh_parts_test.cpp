@@ -1,6 +1,7 @@
 // Shells of mesh files, from the file to the model.
 #include "shell/io/mesh_parts.h"
 
+#include "shell/io/check.h"
 #include "shell/io/inspect_mesh.h"
 #include "tests/shell/io/mesh_scene.h"
 
@@ -262,6 +263,28 @@ TEST_F(MeshParts, InspectTellsChartsAndWhatIsRefused) {
   expect_part(inspect_mesh_report(folder.path + "/a.obj", {1e-5}), "\"refused\": \"element_m is 1e-05 m");
   EXPECT_TRUE(is_mesh_file("x/Y.STL"));
   EXPECT_FALSE(is_mesh_file("x/y.step"));
+}
+
+TEST_F(MeshParts, AMeshWhoseUnitMayBeForgottenHasAWarning) {
+  write("a.off", "OFF\n4 1 0\n0 0 0\n12 0 0\n12 6 0\n0 6 0\n4 0 1 2 3\n");
+  const auto told = [&](const std::string& mesh) {
+    const RunSetup r = setup(mesh);
+    return check_report(scene::load(folder.path + "/scene.textproto", {}), r);
+  };
+  expect_part(told("path: 'a.off' element_m: 0.5"),
+              "warning        'a.off' is taken in metres, 12 m long, as no unit_m is "
+              "given; give 0.001 for millimetres, or 1\n");
+  for (const char* unit : {"1", "0.1"})
+    EXPECT_EQ(told(fmt::format("path: 'a.off' element_m: {} unit_m: {}", unit == std::string("1") ? 0.5 : 0.05, unit))
+                  .find("is taken in metres"),
+              std::string::npos);
+  const std::string file = folder.path + "/a.off";
+  expect_part(inspect_mesh_report(file, {0.5}),
+              "\"warning\": \"'a.off' is taken in metres, 12 m long, as no --unit is");
+  expect_part(inspect_mesh_report(file, {0.5, 1.0, 0.0, true}), "\"warning\": null,\n \"thickness_m\"");
+  EXPECT_EQ(unit_warning("a", 0.001, "unit_m"), "");
+  EXPECT_EQ(unit_warning("a", 10.0, "unit_m"), "");
+  expect_part(unit_warning("a", 0.0009, "unit_m"), "'a' is taken in metres, 0.0009 m long");
 }
 
 }  // namespace
