@@ -11,6 +11,7 @@
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
+#include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
 #include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
@@ -21,12 +22,16 @@
 #include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopLoc_Location.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <gp_Pln.hxx>
+#include <gp_Trsf.hxx>
+#include <gp_Vec.hxx>
 
 #include "shell/io/check.h"
 #include "shell/solver/trimming.h"
@@ -300,8 +305,66 @@ TEST_F(CadParts, ASliverIsRefusedAndCanBeLeftOut) {
       others += fmt::format("faces: {} ", k);
   EXPECT_EQ(others.size(), 2 * std::strlen("faces: 0 ")) << others;
   const std::string cad = "path: 'a.stp' element_m: 0.002 " + others;
-  EXPECT_EQ(setup(cad).stitches.seams.size(), 0u);
+  EXPECT_SAYS(error(cad), " nearly meet: they are ");
   EXPECT_EQ(setup(cad, "seams { tolerance_m: 4e-7 }").stitches.seams.size(), 1u);
+}
+
+// The faces of a box without an edge in common, each moved outwards [mm].
+TopoDS_Shape loose_box(double outwards) {
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(BRepPrimAPI_MakeBox(40, 30, 20).Shape(), TopAbs_FACE, faces);
+  const BRep_Builder build;
+  TopoDS_Compound out;
+  build.MakeCompound(out);
+  for (int i = 1; i <= faces.Extent(); ++i) {
+    GProp_GProps p;
+    BRepGProp::SurfaceProperties(faces(i), p);
+    gp_Trsf moved;
+    moved.SetTranslation(outwards * gp_Vec(gp_Pnt(20, 15, 10), p.CentreOfMass()).Normalized());
+    build.Add(out, faces(i).Moved(TopLoc_Location(moved)));
+  }
+  return out;
+}
+
+TEST_F(CadParts, LooseFacesAreJoinedUpToTheTolerance) {
+  const std::string cad = "path: 'a.igs' element_m: 0.005";
+  write_iges(loose_box(0.0), file("a.igs"));
+  const RunSetup exact = setup(cad);
+  EXPECT_EQ(exact.shells.size(), 6u);
+  EXPECT_EQ(exact.stitches.seams.size(), 12u);
+  write_iges(loose_box(0.005), file("a.igs"));
+  EXPECT_SAYS(error(cad), " nearly meet: they are ");
+  EXPECT_SAYS(error(cad), "seams.tolerance_m");
+  EXPECT_EQ(setup(cad, "seams { tolerance_m: 2e-5 }").stitches.seams.size(), 12u);
+}
+
+// Two plates, one above the other by `apart` [mm], that the file joins at an edge all the same.
+TopoDS_Shape sewn_plates(double apart) {
+  BRepBuilderAPI_Sewing sew(2.0 * apart);
+  sew.Add(BRepBuilderAPI_MakeFace(gp_Pln(), 0, 40, 0, 20).Face());
+  sew.Add(BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(0, 0, apart), gp::DZ()), -30, 0, 0, 20).Face());
+  sew.Perform();
+  return sew.SewedShape();
+}
+
+TEST_F(CadParts, FacesThatShareAnEdgeAndDoNotMeetAreRefused) {
+  const std::string cad = "path: 'a.stp' element_m: 0.002";
+  const auto told = [&](const std::string& after) {
+    try {
+      setup(cad, after);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  write_step(sewn_plates(0.01), file("a.stp"));
+  EXPECT_EQ(setup(cad).stitches.seams.size(), 1u);  // by the tolerance of the file
+  EXPECT_SAYS(told("seams { tolerance_m: 1e-6 }"), " nearly meet: they are ");
+  write_step(sewn_plates(0.5), file("a.stp"));
+  EXPECT_SAYS(told("seams { tolerance_m: 1e-6 }"),
+              "shells[0].cad.path: 'a.stp': faces 0 and 1 share an edge of 0.02 m about (0, 0.01, ");
+  EXPECT_SAYS(told("seams { tolerance_m: 1e-6 }"), "do not meet there; give a larger seams.tolerance_m");
+  EXPECT_EQ(told("seams { tolerance_m: 1e-6 rules { first: 'pane.1' second: 'pane.2' kind: OPEN } }"), "accepted");
 }
 
 // The branch of a tee: its end runs along a curve on the other cylinder, which loses a window there.
