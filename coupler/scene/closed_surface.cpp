@@ -11,7 +11,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
-#include "coupler/scene/mesh.h"
+#include "coupler/scene/mesh_reader.h"
 
 namespace sunder::scene {
 namespace {
@@ -184,6 +184,10 @@ std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, co
   const auto side = [&](int a, int b, int c) {
     return normal.dot((points[b] - points[a]).cross(points[c] - points[a]));
   };
+  const auto check_clear = [&](bool clear) {
+    check(clear, "{} {}: the face of {} corners crosses or touches itself; divide it into triangles", word,
+          polygon.line, count);
+  };
   while (left.size() > 3) {
     const std::size_t n = left.size();
     std::size_t best = n;
@@ -199,11 +203,12 @@ std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, co
                                        (points[a] - points[c]).squaredNorm()});
       if (clear && area / longest > roundest) best = i, roundest = area / longest;
     }
-    check(best < n, "{} {}: the face of {} corners crosses or touches itself; divide it into triangles", word,
-          polygon.line, polygon.corners.size());
+    check_clear(best < n);
     out.push_back({left[(best + n - 1) % n], left[best], left[(best + 1) % n]});
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
   }
+  // What crosses itself may leave a triangle that is turned over.
+  check_clear(side(left[0], left[1], left[2]) >= -kNoArea * normal.squaredNorm());
   out.push_back({left[0], left[1], left[2]});
   return out;
 }
@@ -235,8 +240,8 @@ Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygo
             polygon.line, place(s.corners[t[0]]));
       s.triangles.push_back(t), lines.push_back(polygon.line);
     }
-    check(static_cast<int>(s.triangles.size()) <= kMostTriangles, "has more than {} triangles; simplify it",
-          kMostTriangles);
+    check(static_cast<int>(s.triangles.size()) <= kMostTriangles,
+          "has more than {} triangles; {}, or take surface HULL", kMostTriangles, kReduce);
   }
   std::vector<int> used(s.corners.size(), -1);  // points without a face are left out
   std::vector<Vec3> corners;

@@ -74,7 +74,7 @@ void MeshFile::fail_at(const std::string& where, const std::string& what) const 
 void MeshFile::add(const Vec3& point, const std::string& where) {
   if (!point.allFinite())
     fail_at(where, fmt::format("({}, {}, {}) is no point of three numbers", point.x(), point.y(), point.z()));
-  if (points.size() >= kMostPoints) fail(fmt::format("has more than {} points; simplify it", kMostPoints));
+  if (points.size() >= kMostPoints) fail(fmt::format("has more than {} points; {}", kMostPoints, kReduce));
   points.push_back(scale * point);
   if (!(points.back().cwiseAbs().maxCoeff() <= kFarthest))
     fail_at(where, fmt::format("({}, {}, {}) is further than {:g} m away, scaled by {}; is scale right?", point.x(),

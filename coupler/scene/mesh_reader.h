@@ -9,6 +9,8 @@
 namespace sunder::scene {
 
 constexpr std::size_t kMostPoints = 1000000;  // of a file
+constexpr const char* kReduce =               // what to do with a mesh of too many faces
+    "reduce it, for example by the modifier Decimate of Blender or by Quadric Edge Collapse Decimation of MeshLab";
 constexpr double kFarthest = 1e6;  // coordinate of a point [m]: squares and volumes of such numbers are finite
 
 /// A mesh file while it is read. A reader adds points and polygons, and names the place of what it refuses.

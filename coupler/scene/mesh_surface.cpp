@@ -18,7 +18,8 @@ FileSurface read_surface(const LoadedScene& scene, const std::string& field, con
       for (const auto& t : triangulated(file.points, polygon, file.place))
         out.triangles.push_back(t), out.lines.push_back(polygon.line), out.tag_of.push_back(polygon.tag);
       if (static_cast<int>(out.triangles.size()) > kMostSurfaceTriangles)
-        file.fail(fmt::format("has more than {} triangles; simplify it", kMostSurfaceTriangles));
+        file.fail(fmt::format("has more than {} triangles; {}: shells lose what is finer than element_m",
+                              kMostSurfaceTriangles, kReduce));
     }
   } catch (const Error& e) {
     if (!e.file.empty()) throw;

@@ -91,6 +91,10 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
     } else {
       faces.push_back(cad.face());
     }
+    scene.check(static_cast<int>(faces.size()) <= kMostFaces, field + (cad.faces_size() > 0 ? ".faces" : ".path"),
+                "'{}': {} faces would be as many shells, and at most {} are taken; choose by `faces: [0, 1, 2]`, which "
+                "`sunder inspect` numbers, or unite faces in the CAD program",
+                cad.path(), faces.size(), kMostFaces);
     const std::vector<CadEdge> edges = file.edges();
     check_edges(scene, field, cad, edges, faces);
     std::vector<ScenePart> own;

@@ -8,6 +8,8 @@
 
 namespace sunder::shell {
 
+constexpr int kMostFaces = 2000;  // of a file that one shell takes: each is a shell of the run
+
 /// A shell of a run: the index of the scene's shell, the message that it is made of, and the part of its CAD face.
 struct ScenePart {
   int shell = 0;
@@ -17,8 +19,8 @@ struct ScenePart {
 };
 
 /// The shells of a run, in the order of the scene. A shell of several CAD faces becomes one for each face, or more
-/// where a face is divided. Throws Error where a file cannot be read or has no such face, where three of the faces
-/// share an edge, and where a name of the scene fits no shell.
+/// where a face is divided. Throws Error where a file cannot be read or has no such face, where the shell would be of
+/// more than kMostFaces, where three of the faces share an edge, and where a name of the scene fits no shell.
 std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& files);
 
 /// Which parts may meet: all of different shells; those of one file where it has an edge between their faces, or where

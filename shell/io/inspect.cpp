@@ -128,6 +128,14 @@ std::string inspect_report(const std::string& file, double element, double unit)
   Json faces = Json::array();
   std::vector<int> taken;
   for (int k = 0; k < cad.faces(); ++k) {
+    if (cad.faces() > kMostFaces) {
+      faces.push_back({{"face", k},
+                       {"kind", cad.kind(k)},
+                       {"refused", fmt::format("is not tried, as the file has {} faces, and at most {} become shells; "
+                                               "choose some in a scene by `faces: [0, 1, 2]`",
+                                               cad.faces(), kMostFaces)}});
+      continue;
+    }
     faces.push_back(face_of(scene, cad, files, k, element));
     if (faces.back()["refused"].is_null() && !faces.back()["unfit"].get<bool>()) taken.push_back(k);
   }

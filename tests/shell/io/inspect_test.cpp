@@ -9,6 +9,9 @@
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRep_Builder.hxx>
+#include <TopoDS_Compound.hxx>
+#include <gp_Pln.hxx>
 #endif
 
 using namespace sunder;
@@ -88,6 +91,25 @@ TEST_F(Inspect, TooShortElementsAreTheSubjectOfTheirRefusal) {
   EXPECT_SAYS(told["faces"][0]["refused"].get<std::string>(),
               "--element is 1e-06 m, and the face would have 30000 x 20000 elements");
   EXPECT_EQ(told["taken"].size(), 0u);
+}
+
+TEST_F(Inspect, AFileOfTooManyFacesIsListedAndSomeCanBeTaken) {
+  const BRep_Builder build;
+  TopoDS_Compound stack;
+  build.MakeCompound(stack);
+  for (int k = 0; k <= 2000; ++k)
+    build.Add(stack, BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(0, 0, k), gp::DZ()), 0, 10, 0, 10).Face());
+  write_iges(stack, file("stack.igs"));
+  const Json told = Json::parse(inspect_report(file("stack.igs"), 0.002));
+  ASSERT_EQ(told["faces"].size(), 2001u);
+  EXPECT_EQ(told["faces"][2000]["kind"], "plane");
+  EXPECT_SAYS(told["faces"][2000]["refused"].get<std::string>(),
+              "is not tried, as the file has 2001 faces, and at most");
+  EXPECT_EQ(told["taken"].size(), 0u);
+  EXPECT_SAYS(
+      refusal("path: 'stack.igs' element_m: 0.002"),
+      "cad.path: 'stack.igs': 2001 faces would be as many shells, and at most 2000 are taken; choose by `faces:");
+  EXPECT_EQ(setup("path: 'stack.igs' element_m: 0.002 faces: [2000, 7]").shells.size(), 2u);
 }
 
 #endif

@@ -1,6 +1,8 @@
 // Shells of mesh files, from the file to the model.
 #include "shell/io/mesh_parts.h"
 
+#include <cmath>
+
 #include "shell/io/check.h"
 #include "shell/io/inspect_mesh.h"
 #include "tests/shell/io/mesh_scene.h"
@@ -114,6 +116,35 @@ TEST_F(MeshParts, FilesThatAreNoSurfaceAreRefusedWithTheirLine) {
   for (std::size_t n = 0; n + 2 < whole.size(); n += 3) {  // a file that ends too soon
     write("c.off", whole.substr(0, n));
     EXPECT_NE(refusal("path: 'c.off' element_m: 0.2"), "accepted") << n;
+  }
+}
+
+TEST_F(MeshParts, TooManyTrianglesAreRefusedWithARemedy) {
+  std::string many = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (int k = 0; k <= 300000; ++k) many += "f 1 2 3\n";
+  write("many.obj", many);
+  expect_part(
+      refusal("path: 'many.obj' element_m: 0.2"),
+      "'many.obj' has more than 300000 triangles; reduce it, for example by the modifier Decimate of Blender or by "
+      "Quadric Edge Collapse Decimation of MeshLab: shells lose what is finer than element_m");
+}
+
+// One face of six corners: a chart that is trimmed along its border.
+TEST_F(MeshParts, AHexagonIsOneShell) {
+  const double h = 0.5 * std::sqrt(3.0);
+  const std::string corners =
+      fmt::format("1 0 0\n0.5 {0:.17g} 0\n-0.5 {0:.17g} 0\n-1 0 0\n-0.5 -{0:.17g} 0\n0.5 -{0:.17g} 0\n", h);
+  write("a.off", "OFF\n6 1 0\n" + corners + "6 0 1 2 3 4 5\n");
+  const RunSetup r = setup("path: 'a.off' element_m: 0.1");
+  ASSERT_EQ(r.shells.size(), 1u);
+  EXPECT_EQ(r.shells[0].model.name, "pane");
+  EXPECT_FALSE(r.shells[0].model.trim.empty());
+  EXPECT_TRUE(r.stitches.seams.empty());
+  EXPECT_NEAR(area(r) / (3.0 * h), 1.0, 0.01);
+  for (const char* crossed : {"6 0 2 1 3 4 5", "6 0 1 2 3 5 4", "6 0 3 1 2 4 5"}) {
+    write("a.off", "OFF\n6 1 0\n" + corners + crossed + "\n");
+    expect_part(refusal("path: 'a.off' element_m: 0.1"),
+                "'a.off' line 9: the face of 6 corners crosses or touches itself; divide it into triangles");
   }
 }
 
