@@ -16,6 +16,7 @@
 namespace sunder::scene {
 namespace {
 
+constexpr double kTurnedOver = 1e-9;       // share of a face's area: round-off of a corner on a side is below
 constexpr double kNoArea = 1e-14;          // share of the square of the diagonal below which a triangle has no area
 constexpr std::size_t kMostCorners = 256;  // of a face: ear clipping takes the cube of their number
 
@@ -208,7 +209,7 @@ std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, co
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
   }
   // What crosses itself may leave a triangle that is turned over.
-  check_clear(side(left[0], left[1], left[2]) >= -kNoArea * normal.squaredNorm());
+  check_clear(side(left[0], left[1], left[2]) >= -kTurnedOver * normal.squaredNorm());
   out.push_back({left[0], left[1], left[2]});
   return out;
 }
