@@ -37,7 +37,8 @@ inline void finite(const LoadedScene& s, const std::string& field, const proto::
 /// A turn about an axis that has a direction, by a finite angle.
 inline void turn(const LoadedScene& s, const std::string& field, const proto::AxisAngle& r) {
   finite(s, field + ".axis", r.axis());
-  s.check(!r.has_axis() || to_vec(r.axis()).norm() > 1e-9, field + ".axis", "has no direction");
+  s.check(!r.has_axis() || to_vec(r.axis()).norm() > 1e-9, field + ".axis",
+          "has no direction; give one, or leave it out: it is z then");
   s.check(std::isfinite(r.angle_deg()), field + ".angle_deg", "is {}; must be finite", r.angle_deg());
 }
 

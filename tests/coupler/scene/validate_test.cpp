@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"QuaternionOffUnitLength", "pose { position { z: 0.1 } }", "pose { orientation { w: 1 x: 0.5 } }", 15,
              "quaternion"},
         Case{"TurnAboutNoAxis", "pose { position { z: 0.1 } }", "pose { rotation { axis { x: 0 } angle_deg: 30 } }", 15,
-             "bodies[ball].pose.rotation.axis: has no direction"},
+             "bodies[0].pose.rotation.axis: has no direction; give one"},
         Case{"TurnWithoutEnd", "pose { position { z: 0.1 } }", "pose { rotation { angle_deg: inf } }", 15,
              "must be finite"},
         Case{"TurnedTwice", "pose { position { z: 0.1 } }", "pose { orientation { w: 1 } rotation { angle_deg: 30 } }",
