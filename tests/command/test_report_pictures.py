@@ -16,8 +16,8 @@ from PIL import Image
 
 from sunder_tools.errors import CommandError
 from sunder_tools.pictures.contact_sheet import GAP, WIDTH
-from tests.commands import pictures
-from tests.commands.pictures import PICTURES, Picture, draw_pictures, scene_file, scene_name
+from tests.docs import pictures
+from tests.docs.pictures import PICTURES, Picture, draw_pictures, scene_file, scene_name
 
 from . import REPOSITORY, sunder
 from .synthetic import SyntheticRun

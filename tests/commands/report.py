@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _draw(arguments: argparse.Namespace) -> int:
     if arguments.suites != [PICTURES] or arguments.case or arguments.json_dir or arguments.no_run:
         raise CommandError("report: 'pictures' stands alone, with --picture and --runs only", BAD_INPUT)
-    from .pictures import draw_pictures  # numpy and PIL only now
+    from ..docs.pictures import draw_pictures  # numpy and PIL only now
     left = draw_pictures(arguments.picture, arguments.runs)
     return CHECK_FAILED if left else DONE
 

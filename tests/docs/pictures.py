@@ -144,7 +144,7 @@ def scene_file(scene: str, temporary: Path) -> Path:
     page, _, block = scene.rpartition("#")
     if not page:
         return REPOSITORY / scene
-    found = re.search(rf"^```textproto file={re.escape(block)}\n(.*?)^```$", (REPOSITORY / page).read_text(encoding="utf-8"),
+    found = re.search(rf"^```textproto file={re.escape(block)}(?: [^\n]*)?\n(.*?)^```$", (REPOSITORY / page).read_text(encoding="utf-8"),
                       re.MULTILINE | re.DOTALL)
     if found is None:
         raise CommandError(f"report: {page} has no block that is marked file={block}")
