@@ -22,22 +22,35 @@ bool holds(const std::vector<Plane>& planes, const Vec3& local) {
   return std::all_of(planes.begin(), planes.end(), [&](const Plane& p) { return outside(p, local) <= 0.0; });
 }
 
-/// True where the way out of part `own` through plane `p` leads into another part. `gap`: how far parts that are
-/// joined may be apart [m].
-bool is_joint(const Parts& parts, std::size_t own, const Plane& p, const Vec3& local, double gap) {
-  const Vec3 beyond = local + (gap - outside(p, local)) * p.normal;
+/// Where the way out of a part through plane `p` ends. `gap`: how far parts that are joined may be apart [m].
+Vec3 beyond(const Plane& p, const Vec3& local, double gap) { return local + (gap - outside(p, local)) * p.normal; }
+
+/// The part that the way out of part `own` leads into; `own` where there is none.
+std::size_t next_part(const Parts& parts, std::size_t own, const Vec3& beyond) {
   for (std::size_t i = 0; i < parts.size(); ++i)
-    if (i != own && holds(parts[i], beyond)) return true;
-  return false;
+    if (i != own && holds(parts[i], beyond)) return i;
+  return own;
 }
 
-/// The least deep face of part `own` that is not a joint; where all are joints, the least deep one.
+/// The least deep way out of part `own`: through a face that is no joint, or through a joint and a face of the next
+/// part. Where there is none, the least deep face.
 Proxy::Distance way_out(const Parts& parts, std::size_t own, const Vec3& local, double gap,
                         const Proxy::Distance& least) {
   Proxy::Distance best{-std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
-  for (const Plane& p : parts[own])
-    if (const double s = outside(p, local); s > best.value && !is_joint(parts, own, p, local, gap))
+  for (const Plane& p : parts[own]) {
+    const double s = outside(p, local);
+    if (s <= best.value) continue;
+    const Vec3 there = beyond(p, local, gap);
+    const std::size_t next = next_part(parts, own, there);
+    if (next == own) {
       best = {s, p.normal};
+      continue;
+    }
+    for (const Plane& q : parts[next])
+      if (const double both = s + outside(q, there);
+          both > best.value && next_part(parts, next, beyond(q, there, gap)) == next)
+        best = {both, q.normal};
+  }
   return std::isfinite(best.value) ? best : least;
 }
 

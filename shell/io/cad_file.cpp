@@ -170,7 +170,7 @@ Unit unit_of(XSControl_Reader& reader, bool step) {
     // Shapes that belong to no product have units, but are not asked
     const auto model = reader.WS()->Model();
     for (int i = 1; i <= model->NbEntities() && lengths.IsEmpty() && out.name.empty(); ++i)
-      if (std::string(model->Value(i)->DynamicType()->Name()).ends_with("LengthUnit")) out.name = "of the file";
+      if (std::string(model->Value(i)->DynamicType()->Name()).ends_with("LengthUnit")) out.name = "a unit of length";
     return out;
   }
   const auto model = opencascade::handle<IGESData_IGESModel>::DownCast(reader.WS()->Model());
@@ -197,9 +197,8 @@ void set_unit(const CadPlace& place, const proto::CadFace& cad, const Unit& unit
   place.scene.check(!unit.name.empty() || cad.has_unit_m(), field,
                     "is missing, and '{}' says no unit of length; give 0.001 for millimetres, 0.0254 for inches",
                     place.path);
-  place.scene.check(unit.name.empty() || !cad.has_unit_m(), field,
-                    "is {} m, and '{}' says its unit, {}; leave it out, or give a scale", cad.unit_m(), place.path,
-                    unit.name);
+  place.scene.check(unit.name.empty() || !cad.has_unit_m(), field, "is {} m, and '{}' says its unit, {}; leave it out",
+                    cad.unit_m(), place.path, unit.name);
   out.unit = unit.name;
   if (!cad.has_unit_m()) return;
   out.unit = fmt::format("{:g} m", cad.unit_m());

@@ -1,6 +1,7 @@
-# Writes OUTPUT: the function source_hash() with a SHA-256 over the C++ sources below TOP/shell and TOP/coupler. It is written
-# only where it changes.
-file(GLOB_RECURSE sources RELATIVE ${TOP} ${TOP}/shell/*.h ${TOP}/shell/*.cpp ${TOP}/coupler/*.h ${TOP}/coupler/*.cpp)
+# Writes OUTPUT: the function source_hash() with a SHA-256 over the C++ sources below TOP/shell, TOP/coupler and TOP/rigid.
+# It is written only where it changes.
+file(GLOB_RECURSE sources RELATIVE ${TOP} ${TOP}/shell/*.h ${TOP}/shell/*.cpp ${TOP}/coupler/*.h ${TOP}/coupler/*.cpp
+  ${TOP}/rigid/*.h ${TOP}/rigid/*.cpp)
 list(SORT sources)
 set(all "")
 foreach(source ${sources})

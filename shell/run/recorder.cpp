@@ -65,7 +65,7 @@ ContactMark Recorder::contact_at(double time) const {
 
 void Recorder::write_frame() { write_frame(parts_.clock.time()); }
 
-void Recorder::write_frame(double time) {
+void Recorder::write_frame(double time, bool running) {
   const double start = wall_clock();
   const std::int64_t begin = Trace::now_ns();
   const RunSetup& setup = parts_.setup;
@@ -83,7 +83,7 @@ void Recorder::write_frame(double time) {
   // A late frame does not delay the next one. A frame that is written anew, or for the end of the run, changes nothing.
   if (frame_is_due()) next_frame_ = std::max(next_frame_ + interval, time + 0.5 * interval);
   write_tables();
-  if (time > 0.0) write_summary("running", nullptr);  // a killed run still shows how far it came
+  if (running && time > 0.0) write_summary("running", nullptr);  // a killed run still shows how far it came
   parts_.simulation.scratch.times[Stage::kIo] += wall_clock() - start;
   traced("frame", begin);
 }

@@ -50,7 +50,7 @@ class Recorder {
   /// Writes a frame of the present state, and series.csv, probes.csv and run.json as they stand. Throws Error (io).
   void write_frame();
   /// The same for a state of another time [s].
-  void write_frame(double time);
+  void write_frame(double time, bool running = true);
   /// Writes series.csv and probes.csv as they stand.
   void write_tables() const;
   bool frame_is_due() const { return parts_.clock.time() >= next_frame_ - 1e-6 * parts_.setup.tick; }

@@ -124,9 +124,9 @@ void Run::finish(const char* status) {
 void Run::fail(const Error& error) {
   if (rigid_) rigid_->abort(error.kind, error.what());
   try {
-    if (error.status == Exit::kPhysics) write_last_frame();
     recorder_.write_summary(error.status == Exit::kInterrupted ? "interrupted" : "failed", &error);
-  } catch (const Error&) {  // for example a full disk: the message on the terminal remains
+    if (error.status == Exit::kPhysics && error.kind != "internal") write_last_frame();
+  } catch (const std::exception&) {  // for example a full disk: the message on the terminal remains
   }
 }
 

@@ -73,8 +73,10 @@ class Run {
   void note_push(double time);  // `time` [s]: the end of the window
   std::vector<RigidBody> hand_off_pieces(double dt);
   void close_books(double dt);
-  void keep_motion();              // at the start of a window
-  void write_last_frame();         // of a run that has failed in a window with shells
+  // Of a run that fails in a window with shells: the motion at its start, and a frame of it. There is none with soft
+  // bodies, nor where pieces have left in the window.
+  void keep_motion();
+  void write_last_frame();
   void check_peer_and_progress();  // checks the peer and prints progress, now and then
   void finish(const char* status);
   void fail(const Error& error);

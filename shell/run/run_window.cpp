@@ -61,14 +61,15 @@ void Run::keep_motion() {
 
 void Run::write_last_frame() {
   State& state = simulation_.state;
-  if (window_motion_.time < 0.0 || !state.solving() || window_motion_.bodies.size() != state.bodies.size()) return;
+  if (window_motion_.time < 0.0 || frames_.has_frame_of(window_motion_.time)) return;
+  if (!state.solving() || !state.soft.empty() || window_motion_.bodies.size() != state.bodies.size()) return;
   for (std::size_t k = 0; k < state.shells.size(); ++k) {
     if (!state.shells[k].state) continue;
     state.shells[k].state->motion.x = window_motion_.x[k];
     state.shells[k].state->motion.v = window_motion_.v[k];
   }
   for (std::size_t k = 0; k < state.bodies.size(); ++k) state.bodies[k].body.motion = window_motion_.bodies[k];
-  recorder_.write_frame(window_motion_.time);
+  recorder_.write_frame(window_motion_.time, false);
 }
 
 // The substep does not depend on the length of the window.

@@ -156,7 +156,7 @@ class Testing(unittest.TestCase):
         with mock.patch.object(command, "ensure_node"), mock.patch.object(command, "ensure_installed"), \
                 mock.patch.object(command, "_ensure_viewer"), mock.patch.object(command, "ensure_built") as built, \
                 mock.patch.object(command.subprocess, "run") as run, mock.patch.dict(os.environ), \
-                mock.patch.object(command.first_use, "tested") as tested:
+                mock.patch.object(command.first_use, "failed"), mock.patch.object(command.first_use, "tested") as tested:
             os.environ.pop(BUILD_DIR_VARIABLE, None)
             for status, arguments, times in ((0, ["-R", "vtp"], 0), (1, [], 0), (0, [], 1)):
                 run.return_value.returncode = status

@@ -14,7 +14,7 @@ from . import REPOSITORY
 class OfAScene(unittest.TestCase):
     def test_a_cad_message_is_found_however_it_is_written(self) -> None:
         for text in ('shells { cad { path: "a.step" } }', "shells{cad{path:'a.igs'}}", "shells { cad: < path: 'a' > }",
-                     "# cad\nshells {\n  cad\n  {\n", 'name: "a # b" shells { cad { } }', "name: 'it\\'s' cad {"):
+                     "shells { cad # the panel\n { path: 'a' } }", "# cad\nshells {\n  cad\n  {\n", 'name: "a # b" shells { cad { } }', "name: 'it\\'s' cad {"):
             self.assertTrue(needs.reads_cad(text), text)
 
     def test_what_only_speaks_of_it_is_none(self) -> None:

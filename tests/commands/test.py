@@ -44,8 +44,9 @@ def run(arguments: argparse.Namespace) -> int:
     environment["PATH"] = "/usr/bin:/bin:" + environment.get("PATH", "")
     environment["OMP_WAIT_POLICY"] = "passive"  # tests run at once: threads that wait must leave the cores to the other
     status = subprocess.run(command, check=False, env=environment).returncode
-    if status == 0 and may_install and not arguments.ctest:
-        first_use.tested(build_dir().parent)
+    if may_install:  # a part of the tests builds all
+        whole = status == 0 and not arguments.ctest
+        (first_use.tested if whole else first_use.failed)(build_dir().parent)
     return DONE if status == 0 else CHECK_FAILED
 
 

@@ -20,8 +20,10 @@ from sunder_tools.pictures.contact_sheet import GAP, PAPER, write_contact_sheet
 from sunder_tools.pictures.cycles import find_blender
 from sunder_tools.pictures.render import frames_of, put_in_place
 from sunder_tools.places import REPOSITORY
+from sunder_tools.report.run_json import read_run
 from sunder_tools.words import did_you_mean
 
+DONE_RUN = "done"
 QUALITY = 88   # of JPEG
 COLOURS = 256  # of PNG
 KINDS = {".png": {"format": "PNG", "optimize": True}, ".jpg": {"format": "JPEG", "quality": QUALITY, "optimize": True}}
@@ -115,6 +117,8 @@ def scene_name(picture: Picture) -> str:
 
 def _of_run(picture: Picture, runs: Path) -> Image.Image:
     folder = runs / scene_name(picture)
+    if (folder / "frames.pvd").is_file() and read_run(folder).get("status") != DONE_RUN:
+        raise CommandError(f"report: {folder}: the run there has not come to its end; remove the folder, and it is run anew")
     if not (folder / "frames.pvd").is_file():
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix="scene-sunder-") as temporary:

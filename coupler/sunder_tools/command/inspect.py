@@ -154,7 +154,7 @@ def write_scene(scene: Path, file: Path, told: dict[str, Any]) -> None:
     if mesh:
         more = "".join(f"{name}: {told[name]:.6g} " for name, usual in (("unit_m", 1.0), ("weld_m", 0.0)) if told[name] != usual)
     else:
-        more = "" if told["unit_m"] is None else f"unit_m: {told['unit_m']:.6g} "
+        more = "" if told["unit_m"] is None else f"unit_m: {told['unit_m']!r} "
         more += "" if everything else "".join(f"faces: {n} " for n in told["taken"])
     element = told["element_m"]
     thickness = told["thickness_m"]

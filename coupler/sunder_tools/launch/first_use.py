@@ -16,6 +16,7 @@ FILE = "first_use.json"
 KEYS = ("first_install_s", "first_build_s", "first_build_steps", "first_picture_s")  # s: seconds
 TEST_KEY = "first_test_s"  # of the second command, with its packages and what it builds; there once it has passed
 MADE_WITH = "made_with"
+FAILED = "tests_failed"  # the first time: what a later one takes is no first use
 _start = time.monotonic()  # of this process, nearly
 _built_in: Path | None = None  # by this process
 
@@ -39,8 +40,14 @@ def drawn() -> None:
 
 def tested(folder: Path) -> None:
     """Keeps how long all tests took, with their packages and what they built, where the first picture was kept too."""
-    if MADE_WITH in _all(folder):
+    if MADE_WITH in _all(folder) and FAILED not in _all(folder):
         _keep(folder, **{TEST_KEY: time.monotonic() - _start})
+
+
+def failed(folder: Path) -> None:
+    """Notes that tests have failed: a later time would lack what has been built by then."""
+    if MADE_WITH in _all(folder) and TEST_KEY not in _all(folder):
+        _keep(folder, **{FAILED: 1.0})
 
 
 def read(folder: Path) -> dict[str, float]:

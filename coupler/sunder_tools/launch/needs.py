@@ -7,7 +7,7 @@ from pathlib import Path
 from .build import Executables, ensure_built
 
 # Of the text format: a string, a comment, or the message `cad`. Strings and comments come first: what they hold is no field.
-_PARTS = re.compile(r""""(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|\#[^\n]*|(?P<cad>\bcad\s*:?\s*[{<])""")
+_PARTS = re.compile(r""""(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|\#[^\n]*|(?P<cad>\bcad(?:\s|\#[^\n]*)*:?(?:\s|\#[^\n]*)*[{<])""")
 
 
 def reads_cad(text: str) -> bool:

@@ -12,7 +12,8 @@ from .vtp import PolyData
 
 @dataclass(frozen=True)
 class Sheet:
-    """Triangles of a frame's shells. Point v of the middle surface has copies, `copies` of them: 2v inside, 2v + 1 outside."""
+    """Triangles of a frame's shells. Point v of the middle surface is 2v inside and 2v + 1 outside. The second half repeats
+    the points, for triangles that are shaded flat."""
     points: np.ndarray     # (n, 3) [m]
     triangles: np.ndarray  # (m, 3)
     smooth: np.ndarray     # (n, 3) unit normals for shading, zero where it is flat

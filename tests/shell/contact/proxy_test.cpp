@@ -80,6 +80,17 @@ TEST(Proxy, DoesNotPushWhatItHoldsThroughAJoint) {
     EXPECT_NEAR(d.value, -0.05, 1e-9) << x;
     EXPECT_LT((d.normal - Vec3::UnitZ()).norm(), 1e-9) << x;
   }
+  // with a knob on it: beside the knob's foot a point leaves upwards, within it by the knob's side
+  b.shape = ConvexShape{{half(-1.0, 1.0), {}}};
+  auto& parts = std::get<ConvexShape>(b.shape).parts;
+  for (const double x : {-0.1, 0.1})
+    for (const double y : {-0.1, 0.1})
+      for (const double z : {0.1, 0.3}) parts[1].emplace_back(x, y, z);
+  const Proxy knobbed(b);
+  EXPECT_LT((knobbed.distance({0.101, 0.0, 0.099}).normal - Vec3::UnitZ()).norm(), 1e-9);
+  const Proxy::Distance foot = knobbed.distance({0.099, 0.0, 0.099});
+  EXPECT_LT((foot.normal - Vec3::UnitX()).norm(), 1e-9);
+  EXPECT_NEAR(foot.value, -0.002, 1e-5);
   EXPECT_NEAR(plate.distance({0.98, 0.3, 0.05}).normal.x(), 1.0, 1e-9);  // an end is a face
   EXPECT_NEAR(plate.distance({0.01, 0.3, 0.15}).value, 0.05, 1e-9);
 }
