@@ -49,7 +49,7 @@ class Recorder {
   void engine(const link::EngineInfo& peer) { peer_ = &peer; }
   /// Writes a frame of the present state, and series.csv, probes.csv and run.json as they stand. Throws Error (io).
   void write_frame();
-  /// The same for a state of another time [s].
+  /// The same for a state of another time [s]. Not `running`: run.json stays as it is.
   void write_frame(double time, bool running = true);
   /// Writes series.csv and probes.csv as they stand.
   void write_tables() const;

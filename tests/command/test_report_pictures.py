@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import re
 import shutil
 import subprocess
@@ -95,6 +96,13 @@ class Drawing(unittest.TestCase):
         self.assertEqual(self.opened("first.png").size, (96, 64))
         self.assertTrue((self.runs / "first" / "frames.pvd").is_file())
         self.assertFalse((self.top / "other.png").exists(), "only what is named is drawn")
+
+    def test_a_run_that_has_not_ended_is_no_picture(self) -> None:
+        book = self.runs / "glass" / "run.json"
+        book.write_text(json.dumps({**json.loads(book.read_text()), "status": "interrupted"}))
+        with self.assertRaisesRegex(CommandError, "has not come to its end; remove the folder"):
+            self.draw(Picture("glass.png", "scenes/glass.textproto"))
+        self.assertFalse((self.top / "glass.png").exists())
 
     def test_a_picture_that_a_command_makes(self) -> None:
         def fake(arguments: list[str], more: list[str]) -> int:
