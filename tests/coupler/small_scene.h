@@ -40,9 +40,38 @@ inline std::string replaced(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
+/// The small scene with additional fields of the shell (line 10), the material and the scene.
+inline std::string with_fields(const std::string& shell, const std::string& material = "",
+                               const std::string& more = "") {
+  std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
+  text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
+  return text + more;
+}
+
+inline const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
+
+/// The same with a material that breaks.
+inline std::string strong(const std::string& shell, const std::string& more = "",
+                          const std::string& material = kStrong) {
+  return with_fields(shell, material, more);
+}
+
+/// A second plate, beside the first.
+inline const std::string kWing =
+    "shells { name: \"wing\" material: \"glass\" thickness_m: 0.004 "
+    "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 pose { position { x: 0.5 } } } }\n";
+
 // A path of this process alone, because tests run in parallel.
 inline std::string own_file(const std::string& name) {
   return fmt::format("{}/{}_{}", testing::TempDir(), getpid(), name);
+}
+
+inline sunder::shell::RunSetup built(const std::string& text, const std::vector<std::string>& settings = {}) {
+  const std::string path = own_file("built_test.textproto");
+  std::ofstream(path) << text;
+  const auto scene = sunder::scene::load(path, settings);
+  std::remove(path.c_str());
+  return sunder::shell::build(scene);
 }
 
 inline sunder::Error refusal(const std::string& text, const std::vector<std::string>& settings = {}) {

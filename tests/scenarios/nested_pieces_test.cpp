@@ -18,7 +18,7 @@ using sunder::test::volume_of_prisms;
 
 namespace {
 
-constexpr double kThickness = 0.004, kInner = 0.031, kOuter = 0.067, kSpin = 40.0;
+constexpr double kRingThickness = 0.004, kInner = 0.031, kOuter = 0.067, kSpin = 40.0;
 constexpr int kSides = 72;
 const Vec2 kMiddle(0.1013, 0.0987);
 
@@ -43,7 +43,7 @@ TEST(NestedPieces, LeaveOneByOneWithTheirMassInertiaAndSpin) {
   ShellMaterial material = glass();
   material.strength = 60e6, material.fracture_energy = 8.0;
   const ShellModel m =
-      make_shell("p", plate(0.2, 0.2, 40, 40, Vec3::Zero(), Quat::Identity()), kThickness, material, 2, 2, {});
+      make_shell("p", plate(0.2, 0.2, 40, 40, Vec3::Zero(), Quat::Identity()), kRingThickness, material, 2, 2, {});
   ShellState s = make_state(m, Vec3::Zero(), 1);
   insert_polyline(m, s, circle(kOuter), 0.0);
   insert_polyline(m, s, circle(kInner), 0.0);
@@ -56,7 +56,7 @@ TEST(NestedPieces, LeaveOneByOneWithTheirMassInertiaAndSpin) {
   partition(m, s, pieces);
   ASSERT_EQ(pieces.size(), 3u);
   const double disc = area_within(kInner), ring = area_within(kOuter) - disc, rest = 0.2 * 0.2 - disc - ring;
-  const double per_area = 2500 * kThickness;
+  const double per_area = 2500 * kRingThickness;
   for (const double area : {disc, ring, rest}) {
     const Triangulation t = partition(m, s, pieces);
     const auto piece = std::find_if(pieces.begin(), pieces.end(),
@@ -75,7 +75,8 @@ TEST(NestedPieces, LeaveOneByOneWithTheirMassInertiaAndSpin) {
     EXPECT_NEAR(h.body.angular_velocity().z(), kSpin, 0.02 * kSpin) << area;
     EXPECT_LT(h.body.motion.velocity.norm(), 0.01 * kSpin * kOuter);
     // convex parts may cut corners, by far less than the 27 % that a filled hole adds to the ring
-    EXPECT_NEAR(volume_of_prisms(std::get<ConvexShape>(h.body.shape)), kThickness * area, 0.02 * kThickness * area);
+    EXPECT_NEAR(volume_of_prisms(std::get<ConvexShape>(h.body.shape)), kRingThickness * area,
+                0.02 * kRingThickness * area);
   }
   partition(m, s, pieces);
   for (const Piece& p : pieces) EXPECT_TRUE(p.handed_off);

@@ -18,8 +18,8 @@ constexpr double kTop =
     arch::kDeep / (2.0 * arch::kVolume);  // height of its centre above its feet [m]
 
 // `window` and `end` in seconds. Without a given sheet, the scene has a soft sheet that nothing touches.
-std::string scene_text(double end, double window, const std::string& gravity, const std::string& bodies,
-                       const std::string& sheet = "") {
+std::string solid_scene(double end, double window, const std::string& gravity, const std::string& bodies,
+                        const std::string& sheet = "") {
   return fmt::format(R"(name: "arch" end_time_s: {} window_s: {} gravity {{ {} }}
 materials {{ name: "glass" density: 2500 youngs_modulus: 1e8 poisson_ratio: 0.2 }}
 materials {{ name: "jelly" density: 2500 youngs_modulus: 1e6 poisson_ratio: 0.2 }}
@@ -34,7 +34,7 @@ materials {{ name: "jelly" density: 2500 youngs_modulus: 1e6 poisson_ratio: 0.2 
                      bodies);
 }
 
-struct Ended {
+struct SolidEnd {
   std::string failure, summary;
   std::vector<RigidBody> bodies;
   double number(const std::string& key) const {
@@ -44,8 +44,8 @@ struct Ended {
 };
 
 // The scene refers to the mesh arch.off beside it.
-Ended run(const std::string& text, const std::string& engine) {
-  Ended e;
+SolidEnd run_solid(const std::string& text, const std::string& engine) {
+  SolidEnd e;
   WatchedRun end;
   e.failure = run_text(text, engine,
                        [&](double, double, const std::vector<const RigidBody*>& bodies) {
@@ -76,14 +76,15 @@ INSTANTIATE_TEST_SUITE_P(All, Engines, testing::Values("bullet", "ode"),
 
 TEST_P(Engines, ABallFliesThroughTheGapAndMeetsTheLeg) {
   const auto thrown = [&](double x, const std::string& surface) {
-    return run(scene_text(0.05, 1e-3, "z: 0",
-                          arch_at(0, 0, 0, "is_static: true", surface) +
-                              fmt::format(R"( bodies {{ name: "ball" material: "glass" sphere {{ radius_m: 0.008 }}
+    return run_solid(
+        solid_scene(0.05, 1e-3, "z: 0",
+                    arch_at(0, 0, 0, "is_static: true", surface) +
+                        fmt::format(R"( bodies {{ name: "ball" material: "glass" sphere {{ radius_m: 0.008 }}
   pose {{ position {{ x: {} y: -0.05 z: 0.015 }} }} twist {{ linear {{ y: 3 }} }} }})",
-                                          x)),
-               GetParam());
+                                    x)),
+        GetParam());
   };
-  const Ended through = thrown(0.03, "EXACT");
+  const SolidEnd through = thrown(0.03, "EXACT");
   ASSERT_EQ(through.failure, "");
   EXPECT_NEAR((through.bodies[1].motion.position - Vec3(0.03, 0.1, 0.015)).norm(), 0.0, 1e-12);  // 3 m/s for 50 ms
   EXPECT_NEAR(through.bodies[1].motion.velocity.y(), 3.0, 1e-12);
@@ -92,11 +93,11 @@ TEST_P(Engines, ABallFliesThroughTheGapAndMeetsTheLeg) {
 }
 
 TEST_P(Engines, StandsOnTheFloorOnTwoFeetOverABall) {
-  const Ended e =
-      run(scene_text(0.2, 1e-3, "z: -9.81",
-                     R"(bodies { name: "floor" half_space {} } )" + arch_at(0, 0, 0.002) + R"( bodies { name: "ball"
+  const SolidEnd e = run_solid(
+      solid_scene(0.2, 1e-3, "z: -9.81",
+                  R"(bodies { name: "floor" half_space {} } )" + arch_at(0, 0, 0.002) + R"( bodies { name: "ball"
   material: "glass" sphere { radius_m: 0.008 } pose { position { x: 0.03 y: 0.015 z: 0.008 } } })"),
-          GetParam());
+      GetParam());
   ASSERT_EQ(e.failure, "");
   EXPECT_NEAR(e.bodies[1].motion.position.z(), kTop, 1e-4);  // as every engine holds a body on a floor
   EXPECT_LT(tilt(e.bodies[1]), 1e-3);
@@ -105,10 +106,10 @@ TEST_P(Engines, StandsOnTheFloorOnTwoFeetOverABall) {
 
 TEST(SolidOnASheet, StandsOnTwoFeet) {
   const double half = 0.002;
-  const Ended e = run(scene_text(0.06, 1e-4, "z: -9.81", arch_at(-0.03, -0.015, half + 0.0005),
-                                 R"(shells { name: "sheet" material: "glass" thickness_m: 0.004
+  const SolidEnd e = run_solid(solid_scene(0.06, 1e-4, "z: -9.81", arch_at(-0.03, -0.015, half + 0.0005),
+                                           R"(shells { name: "sheet" material: "glass" thickness_m: 0.004
   plate { size_x_m: 0.15 size_y_m: 0.15 elements_x: 16 elements_y: 16 } supports { edges: ALL kind: CLAMPED } })"),
-                      "bullet");
+                               "bullet");
   ASSERT_EQ(e.failure, "");
   const RigidBody& b = e.bodies[0];
   const double weight = b.mass * 9.81;
@@ -127,19 +128,19 @@ TEST(SolidOnASheet, StandsOnTwoFeet) {
 TEST(SolidOnASheet, LeavesASheetInItsGapAloneUntilItMeetsTheWall) {
   // The sheet stands in the gap with its edge inside: z is its u, and it moves along x.
   const auto beside = [](double velocity, const std::string& surface) {
-    return run(scene_text(0.01, 1e-4, "z: 0", arch_at(-0.03, -0.015, -0.005, "is_static: true", surface),
-                          fmt::format(R"(shells {{ name: "sheet" material: "glass" thickness_m: 0.002
+    return run_solid(solid_scene(0.01, 1e-4, "z: 0", arch_at(-0.03, -0.015, -0.005, "is_static: true", surface),
+                                 fmt::format(R"(shells {{ name: "sheet" material: "glass" thickness_m: 0.002
   plate {{ size_x_m: 0.08 size_y_m: 0.02 elements_x: 16 elements_y: 4
     pose {{ position {{ z: -0.02 }} orientation {{ w: 0.7071067811865476 y: 0.7071067811865476 }} }} }}
   velocity {{ x: {} }} }})",
-                                      velocity)),
-               "bullet");
+                                             velocity)),
+                     "bullet");
   };
-  const Ended still = beside(0.5, "EXACT");  // ends half way to the wall, 9 mm from it
+  const SolidEnd still = beside(0.5, "EXACT");  // ends half way to the wall, 9 mm from it
   ASSERT_EQ(still.failure, "");
   EXPECT_EQ(still.number("contact"), 0.0);
   EXPECT_NE(beside(0.5, "HULL").failure.find("inside shell 'sheet'"), std::string::npos);
-  const Ended met = beside(1.5, "EXACT");  // would reach 6 mm into the wall
+  const SolidEnd met = beside(1.5, "EXACT");  // would reach 6 mm into the wall
   ASSERT_EQ(met.failure, "");
   EXPECT_GT(met.number("contact"), 0.0);
   EXPECT_LT(met.number("linear_max"), 1e-12);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kStep = 2e-7;
 constexpr int kSteps = 1500;
-const Vec3 kGravity(30.0, -20.0, -9.81);
+const Vec3 kTilted(30.0, -20.0, -9.81);
 const Vec3 kPull(2e3, -1e3, 500.0);  // [N/m] along an edge of 0.2 m
 
 RigidBody ball(const Vec3& at) {
@@ -55,7 +55,7 @@ TEST(SupportImpulse, ClosesTheBalanceOfMomentumInEveryTransfer) {
   for (const Transfer transfer : {Transfer::kDirect, Transfer::kFlip, Transfer::kApic, Transfer::kPic}) {
     SCOPED_TRACE(static_cast<int>(transfer));
     RunSetup setup = setup_of({{held_in_all_ways()}});
-    setup.gravity = kGravity;
+    setup.gravity = kTilted;
     setup.shells[0].transfer.kind = transfer, setup.shells[0].transfer.spacing = 0.025;
     setup.bodies = {ball(Vec3(-0.09, 0.02, 0.0225))};  // touches clamped control points too
     setup.laws = {{0, 0, 0.4, 0.0}};
@@ -72,8 +72,8 @@ TEST(SupportImpulse, ClosesTheBalanceOfMomentumInEveryTransfer) {
     for (const Constraints::Part& part : rig.model().constraints.parts)
       borne += support_impulse(s, part), scale += support_impulse(s, part).norm();
     const double time = kSteps * kStep;
-    const Vec3 given = time * (0.2 * kPull + weighed(rig.model()) * kGravity) + borne;
-    const Vec3 to_ball = b.body.mass * (b.body.motion.velocity - start.body.motion.velocity - time * kGravity);
+    const Vec3 given = time * (0.2 * kPull + weighed(rig.model()) * kTilted) + borne;
+    const Vec3 to_ball = b.body.mass * (b.body.motion.velocity - start.body.motion.velocity - time * kTilted);
     // round-off of some 1e5 forces of up to 1e5 N
     EXPECT_LT((totals(rig.model(), s).momentum - before + to_ball - given).norm(), 1e-10 * scale);
     EXPECT_GT(borne.norm(), 1e-2);

@@ -97,13 +97,13 @@ struct Server {
 };
 
 // Twenty times as fast as time: a refusal without a reason takes ten seconds.
-double fast_seconds() {
+double hurried_seconds() {
   return 20.0 * std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 std::string session(const std::string& endpoint, const std::string& keys) {
   return thrown([&] {
-    RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, endpoint, keys, fast_seconds), "scene");
+    RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, endpoint, keys, hurried_seconds), "scene");
     EXPECT_EQ(client.peer().name, "freeflight");
     client.bye();
   });

@@ -24,7 +24,7 @@ namespace {
 constexpr double kTenMinutes = 600.0;
 constexpr int kLooks = 15;  // at the clock, of a client that waits on; a tenth of a limit is used up by each at most
 
-RigidBody ball() {
+RigidBody heavy_ball() {
   RigidBody b;
   b.id = 1, b.name = "ball", b.mass = 2.0, b.principal_inertia = Vec3::Constant(0.1);
   b.shape = SphereShape{0.1};
@@ -83,13 +83,13 @@ struct SlowServer {
     try {
       RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, endpoint, "", [this] { return now(); }),
                          "");
-      client.load({{ball()}, {}, {}});
-      BodyMotion moved = ball().motion;
+      client.load({{heavy_ball()}, {}, {}});
+      BodyMotion moved = heavy_ball().motion;
       moved.position = {0, 0, -1e-3};
       const auto states = client.window({0, 1, 1e-3, {{1, moved}}, {}});
       EXPECT_EQ(states.at(0).motion.position, moved.position);
       client.rows(1, 1e-3, {{1, moved}}, {1});
-      RigidBody more = ball();
+      RigidBody more = heavy_ball();
       more.id = 2;
       client.add_bodies({more});
       client.save();

@@ -19,7 +19,7 @@ using namespace sunder::link;
 
 namespace {
 
-RigidBody ball() {
+RigidBody falling_ball() {
   RigidBody b;
   b.id = 1, b.name = "ball", b.mass = 2.0, b.principal_inertia = Vec3::Constant(0.1);
   b.motion.velocity = {0, 0, -1};
@@ -49,14 +49,14 @@ struct Served {
   }
 };
 
-proto::Request hello() {
+proto::Request hello_request() {
   proto::Request r;
   r.mutable_hello()->set_protocol_min(kProtocol), r.mutable_hello()->set_protocol_max(kProtocol);
   return r;
 }
-proto::Request load() {
+proto::Request load_request() {
   proto::Request r;
-  *r.mutable_load()->add_bodies() = encode(ball());
+  *r.mutable_load()->add_bodies() = encode(falling_ball());
   return r;
 }
 proto::Request window() {
@@ -77,11 +77,11 @@ TEST(Session, RunsFromHelloToBye) {
   {
     RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint), "scene");
     EXPECT_EQ(client.peer().name, "freeflight");
-    const auto loaded = client.load({{ball()}, {}, {}});
+    const auto loaded = client.load({{falling_ball()}, {}, {}});
     ASSERT_EQ(loaded.size(), 1u);
-    BodyMotion moved = ball().motion;
+    BodyMotion moved = falling_ball().motion;
     moved.position = {0, 0, -1e-3};
-    RigidBody shard = ball();
+    RigidBody shard = falling_ball();
     shard.id = 2;
     const auto states = client.window({0, 2, 1e-3, {{1, moved}}, {}, {shard}});
     ASSERT_EQ(states.size(), 2u);
@@ -97,39 +97,39 @@ TEST(Session, RefusesWrongOrderAndValuesAndTellsBothSides) {
   const auto spoiled = [](const std::function<void(proto::Window&)>& spoil) {
     proto::Request w = window();
     spoil(*w.mutable_window());
-    return Requests{hello(), load(), w};
+    return Requests{hello_request(), load_request(), w};
   };
   const auto thick = [](double thickness) {
-    proto::Request l = load();
+    proto::Request l = load_request();
     l.mutable_load()->set_thickness_m(thickness);
-    return Requests{hello(), l};
+    return Requests{hello_request(), l};
   };
   const auto exported_unknown = [] {
     proto::Request rows;
     auto* e = rows.mutable_export_();
     e->set_window_s(1e-3), e->add_bodies(9);
     *e->add_motions() = window().window().predicted(0);
-    return Requests{hello(), load(), rows};
+    return Requests{hello_request(), load_request(), rows};
   };
   const auto at_the_end_of_time = [] {
-    proto::Request l = load(), w = window();
+    proto::Request l = load_request(), w = window();
     l.mutable_load()->set_tick(std::numeric_limits<std::int64_t>::max());
     w.mutable_window()->set_tick(std::numeric_limits<std::int64_t>::max());
-    return Requests{hello(), l, w};
+    return Requests{hello_request(), l, w};
   };
   const double nan = std::nan("");
   const struct {
     Requests requests;
     const char* says;
   } cases[] = {
-      {{load()}, "before Hello"},
-      {{hello(), hello()}, "second Hello"},
-      {{hello(), window()}, "Window before Load"},
-      {{hello(), load(), load()}, "second Load"},
+      {{load_request()}, "before Hello"},
+      {{hello_request(), hello_request()}, "second Hello"},
+      {{hello_request(), window()}, "Window before Load"},
+      {{hello_request(), load_request(), load_request()}, "second Load"},
       {thick(nan), "thickness_m is nan"},
       {thick(-1e-3), "thickness_m is -0.001"},
       {thick(1e200), "thickness_m is 1e+200"},
-      {{hello(), proto::Request()}, "without content"},
+      {{hello_request(), proto::Request()}, "without content"},
       {spoiled([](auto& w) { w.set_tick(7); }), "tick"},
       {spoiled([](auto& w) { w.set_ticks(0); }), "tick"},
       {spoiled([&](auto& w) { w.set_window_s(nan); }), "window_s"},
@@ -142,7 +142,7 @@ TEST(Session, RefusesWrongOrderAndValuesAndTellsBothSides) {
       {spoiled([](auto& w) { w.clear_predicted(); }), "bad_message: predicted state of body 1: is missing"},
       {spoiled([](auto& w) { (*w.add_predicted() = w.predicted(0)).set_id(9); }),
        "bad_message: predicted state of body 9"},
-      {spoiled([](auto& w) { *w.add_births() = encode(ball()); }), "bad_message: births[1]: comes twice"},
+      {spoiled([](auto& w) { *w.add_births() = encode(falling_ball()); }), "bad_message: births[1]: comes twice"},
       {spoiled([](auto& w) { w.add_solved(9); }), "bad_message: window.solved: body 9 is not held here"},
       {exported_unknown(), "bad_message: export.bodies: body 9 is not held here"},
       {at_the_end_of_time(), "bad_message: window at tick 9223372036854775807 (+2)"},
@@ -169,7 +169,7 @@ TEST(Session, RefusesWrongOrderAndValuesAndTellsBothSides) {
 }
 
 TEST(Session, RefusesAWrongSequenceAndUnreadableBytes) {
-  proto::Request late = hello();
+  proto::Request late = hello_request();
   late.set_sequence(5);
   for (const std::string& bytes : {std::string("\xff\xff\xff not a request"), late.SerializeAsString()}) {
     Served server;
@@ -210,9 +210,9 @@ TEST(EngineHost, RefusesStatesThatAreNotFinite) {
     }
   } engine;
   EngineHost host(engine);
-  EXPECT_EQ(host.load({{ball()}, {}, {}}).size(), 1u);
+  EXPECT_EQ(host.load({{falling_ball()}, {}, {}}).size(), 1u);
   try {
-    host.window({0, 1, 1e-3, {{1, ball().motion}}, {}});
+    host.window({0, 1, 1e-3, {{1, falling_ball().motion}}, {}});
     FAIL() << "handed on";
   } catch (const Error& e) {
     EXPECT_EQ(e.kind, "engine_failed");

@@ -14,25 +14,26 @@ using namespace sunder::scene;
 namespace {
 
 // The scene with a mesh of this text instead of the ball.
-std::string scene_with(const std::string& file, const std::string& text, const std::string& more = "surface: EXACT") {
+std::string scene_with_solid(const std::string& file, const std::string& text,
+                             const std::string& more = "surface: EXACT") {
   std::ofstream(own_file(file)) << text;
   return replaced("sphere { radius_m: 0.02 }", fmt::format("mesh {{ path: \"{}_{}\" {} }}", getpid(), file, more));
 }
 
-sunder::RigidBody body_of(const std::string& text) {
+sunder::RigidBody solid_of(const std::string& text) {
   const std::string path = own_file("solid_test.textproto");
   std::ofstream(path) << text;
   return sunder::shell::build(load(path, {})).bodies[0];
 }
 
-sunder::Surface surface_of(const arch::Mesh& m) {
+sunder::Surface closed_of(const arch::Mesh& m) {
   std::vector<Polygon> polygons;
   for (const auto& face : m.faces) polygons.push_back({face, 0});
   return closed_surface(m.points, polygons);
 }
 
 void expect_mesh_refused(const arch::Mesh& m, const std::vector<std::string>& says) {
-  expect_refusal(scene_with("bad.off", arch::off(m)), "bodies[0].mesh.path", says);
+  expect_refusal(scene_with_solid("bad.off", arch::off(m)), "bodies[0].mesh.path", says);
 }
 
 double volume_of(const std::vector<std::vector<Vec3>>& parts) {
@@ -54,9 +55,10 @@ TEST(SolidMesh, HasMassCentreAndInertiaOfTheBlockWithoutItsGap) {
   Vec3 inertia = box(outside, {kWide, kDeep, kHigh}, kHigh / 2 - centre) -
                  box(gap, {kRight - kLeft, kDeep, kGapHigh}, kGapHigh / 2 - centre);
   std::sort(inertia.begin(), inertia.end());
-  const std::string off = scene_with("arch.off", arch::off(mesh())), obj = scene_with("arch.obj", arch::obj(mesh()));
+  const std::string off = scene_with_solid("arch.off", arch::off(mesh())),
+                    obj = scene_with_solid("arch.obj", arch::obj(mesh()));
   for (const std::string& text : {off, obj}) {
-    const sunder::RigidBody b = body_of(text);
+    const sunder::RigidBody b = solid_of(text);
     EXPECT_NEAR(b.mass, mass, 1e-13 * mass);  // round-off of sums over tetrahedra
     for (int d = 0; d < 3; ++d) EXPECT_NEAR(b.principal_inertia[d], inertia[d], 1e-12 * inertia[d]);
     EXPECT_NEAR((b.motion.position - Vec3(kWide / 2, kDeep / 2, 0.1 + centre)).norm(), 0.0, 1e-14);
@@ -79,7 +81,7 @@ TEST(SolidMesh, IsDividedIntoConvexPartsThatFillIt) {
   arch::Mesh turned = arch;  // no face along an axis: coordinates have round-off
   for (Vec3& p : turned.points) p = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) * p;
   for (const auto& [m, most] : {std::pair{arch, 3u}, std::pair{turned, 3u}, std::pair{arch::prism(star, 0.3), 9u}}) {
-    const sunder::Surface s = surface_of(m);
+    const sunder::Surface s = closed_of(m);
     const auto parts = convex_parts(s);
     EXPECT_LE(parts.size(), most);
     EXPECT_NEAR(volume_of(parts), enclosed_volume(s), 1e-9 * enclosed_volume(s));  // merged parts may add this share
@@ -105,7 +107,7 @@ TEST(SolidMesh, IsTurnedOutwardsForAnyOrientationOfItsFaces) {
   for (auto& face : inside_out.faces) std::reverse(face.begin(), face.end());
   for (std::size_t i = 0; i < mixed.faces.size(); i += 3) std::reverse(mixed.faces[i].begin(), mixed.faces[i].end());
   for (const arch::Mesh& m : {arch::mesh(), inside_out, mixed})
-    EXPECT_NEAR(enclosed_volume(surface_of(m)), arch::kVolume, 1e-15);
+    EXPECT_NEAR(enclosed_volume(closed_of(m)), arch::kVolume, 1e-15);
 }
 
 TEST(SolidMesh, InsideAnotherOneIsAHollow) {
@@ -121,7 +123,7 @@ TEST(SolidMesh, InsideAnotherOneIsAHollow) {
     for (int& c : face) c += 8;
     shell.faces.push_back(face);
   }
-  const sunder::Surface s = surface_of(shell);
+  const sunder::Surface s = closed_of(shell);
   EXPECT_NEAR(enclosed_volume(s), 26.0, 1e-12);
   EXPECT_NEAR(volume_of(convex_parts(s)), 26.0, 1e-7);
   EXPECT_NEAR(winding_number(s, {1.5, 1.5, 1.5}), 0.0, 1e-12);
@@ -153,7 +155,7 @@ TEST(SolidMesh, IsRefusedWhereItCrossesOrTouchesItself) {
   expect_mesh_refused(two({0.005, 0.005, 0.005}), {"crosses itself: the faces of lines "});
   expect_mesh_refused(two({arch::kWide, arch::kDeep, 0.0}), {"has an edge of 4 faces"});
   expect_mesh_refused(two({arch::kWide, arch::kDeep, arch::kHigh}), {"touches itself in the point (0.06, 0.03, 0.05)"});
-  EXPECT_NEAR(enclosed_volume(surface_of(two({1.0, 0.0, 0.0}))), 2.0 * arch::kVolume, 1e-12);  // separate: one body
+  EXPECT_NEAR(enclosed_volume(closed_of(two({1.0, 0.0, 0.0}))), 2.0 * arch::kVolume, 1e-12);  // separate: one body
 }
 
 TEST(SolidMesh, IsRefusedWithTheLineOfAWrongFace) {
@@ -162,7 +164,7 @@ TEST(SolidMesh, IsRefusedWithTheLineOfAWrongFace) {
     std::string text = good;
     const auto at = text.rfind(from);
     ASSERT_NE(at, std::string::npos) << from;
-    expect_refusal(scene_with("bad.off", text.replace(at, from.size(), to)), "bodies[0].mesh.path", says);
+    expect_refusal(scene_with_solid("bad.off", text.replace(at, from.size(), to)), "bodies[0].mesh.path", says);
   };
   // 3 lines of header, an empty one, 16 points and 10 faces: the last face is on line 30
   off("4 7 0 8 15", "4 7 0 8 16", {"line 30: the face names point 16, and there are 16"});
@@ -173,18 +175,19 @@ TEST(SolidMesh, IsRefusedWithTheLineOfAWrongFace) {
   off("4 7 0 8 15", "4 7 0 0 15", {"line 30: "});
   off("16 10 0", "17 10 0", {"ends after 9 of its 10 faces"});
   off("16 10 0", "16", {"does not start as an OFF file does"});
-  expect_refusal(scene_with("bad.obj", arch::obj(arch::mesh()) + "f 1 2 99\n"), "bodies[0].mesh.path",
+  expect_refusal(scene_with_solid("bad.obj", arch::obj(arch::mesh()) + "f 1 2 99\n"), "bodies[0].mesh.path",
                  {"line 28: '99' is none of the 16 points"});
-  expect_refusal(scene_with("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 3 2 1\n"), "bodies[0].mesh.path",
-                 {"has the same face in lines 5 and 6"});
-  expect_refusal(scene_with("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1e-9\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"),
-                 "bodies[0].mesh.path", {"encloses 1.67e-10 m^3"});
-  expect_refusal(scene_with("bad.off", good, "surface: 7"), "bodies[0].mesh.surface", {"is 7; HULL or EXACT"});
+  expect_refusal(scene_with_solid("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 3 2 1\n"),
+                 "bodies[0].mesh.path", {"has the same face in lines 5 and 6"});
+  expect_refusal(
+      scene_with_solid("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1e-9\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"),
+      "bodies[0].mesh.path", {"encloses 1.67e-10 m^3"});
+  expect_refusal(scene_with_solid("bad.off", good, "surface: 7"), "bodies[0].mesh.surface", {"is 7; HULL or EXACT"});
 }
 
 TEST(SolidMesh, IsRefusedForSoftBodies) {
   expect_refusal(
-      scene_with("arch.off", arch::off(arch::mesh())) +
+      scene_with_solid("arch.off", arch::off(arch::mesh())) +
           fmt::format("soft_bodies {{ name: \"jelly\" material: \"glass\" spacing_m: 0.005 pose {{ position {{ z: 5 }} "
                       "}} mesh {{ path: \"{}_arch.off\" surface: EXACT }} }}",
                       getpid()),

@@ -6,94 +6,82 @@ namespace {
 using namespace small_scene;
 using sunder::Vec2;
 
-const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
-
-// The small scene with additional fields of the shell (line 10), the material and the scene.
-std::string scene(const std::string& shell, const std::string& material = "", const std::string& more = "") {
-  std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
-  text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
-  return text + more;
-}
-
-sunder::shell::RunSetup built(const std::string& text, const std::vector<std::string>& settings = {}) {
-  const std::string path = own_file("cut_scene.textproto");
-  std::ofstream(path) << text;
-  const auto scene = sunder::scene::load(path, settings);
-  std::remove(path.c_str());
-  return sunder::shell::build(scene);
-}
-
 }  // namespace
 
 TEST(Cut, ThatWouldNeverBeMadeIsRefused) {
-  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } time_s: 1e3 }"),
+  expect_refusal(with_fields("cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } time_s: 1e3 }"),
                  "shells[0].cuts[0].time_s",
                  {"is 1000 s", "would never be made; give time_s below 1 s, or a later end_time_s"});
 }
 
 TEST(Cut, ThatLeavesTheDomainIsRefusedWithHowFar) {
-  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.62 v: 0.1 } }"), "shells[0].cuts[0].points[1]",
+  expect_refusal(with_fields("cuts { points { u: 0.1 v: 0.1 } points { u: 0.62 v: 0.1 } }"),
+                 "shells[0].cuts[0].points[1]",
                  {":10:", "(0.62, 0.1), 0.12 m outside the patch", "from 0 to 0.5 along u"});
-  expect_refusal(scene("cuts { circle { center { u: 0.1 v: 0.3 } radius_m: 0.15 } }"), "shells[0].cuts[0].circle",
+  expect_refusal(with_fields("cuts { circle { center { u: 0.1 v: 0.3 } radius_m: 0.15 } }"), "shells[0].cuts[0].circle",
                  {"outside the patch", "from 0 to 0.5 along u"});
-  expect_refusal(scene("cuts { spiral { center { u: 0.3 v: 0.3 } outer_radius_m: 0.25 turns: 2 } }"),
+  expect_refusal(with_fields("cuts { spiral { center { u: 0.3 v: 0.3 } outer_radius_m: 0.25 turns: 2 } }"),
                  "shells[0].cuts[0].spiral", {"outside the patch"});
-  expect_refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.9 } points { u: 0.3 v: 0.9 } "
-                       "points { u: 0.4 v: 0.1 } } }"),
-                 "shells[0].cuts[0].curve", {"reaches", "outside the patch"});
+  expect_refusal(
+      with_fields("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.9 } points { u: 0.3 v: 0.9 } "
+                  "points { u: 0.4 v: 0.1 } } }"),
+      "shells[0].cuts[0].curve", {"reaches", "outside the patch"});
   // control points may lie outside if the curve does not; a circle may touch the border
-  EXPECT_EQ(refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.6 } points { u: 0.3 v: 0.6 } "
+  EXPECT_EQ(
+      refusal(with_fields("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.6 } points { u: 0.3 v: 0.6 } "
                           "points { u: 0.4 v: 0.1 } } } cuts { circle { center { u: 0.25 v: 0.25 } radius_m: 0.25 } }"))
-                .kind,
-            "accepted");
+          .kind,
+      "accepted");
 }
 
 TEST(Cut, OfTooFewPointsOrNoLengthIsRefused) {
-  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } }"), "shells[0].cuts[0].points",
+  expect_refusal(with_fields("cuts { points { u: 0.1 v: 0.1 } }"), "shells[0].cuts[0].points",
                  {"has 1 points", "at least two"});
-  expect_refusal(scene("cuts { time_s: 1 }"), "shells[0].cuts[0].points", {"circle, curve, spiral or line"});
-  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } points { u: 0.2 v: 0.1 } }"),
+  expect_refusal(with_fields("cuts { time_s: 1 }"), "shells[0].cuts[0].points", {"circle, curve, spiral or line"});
+  expect_refusal(with_fields("cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } points { u: 0.2 v: 0.1 } }"),
                  "shells[0].cuts[0].points[2]", {"as points[1] is", "leave one of them out"});
-  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: nan v: 0.1 } }"), "shells[0].cuts[0].points[1]",
-                 {"must be finite"});
-  expect_refusal(scene("cuts { circle { center { u: 0.25 v: 0.25 } radius_m: 0.01 } }"),
+  expect_refusal(with_fields("cuts { points { u: 0.1 v: 0.1 } points { u: nan v: 0.1 } }"),
+                 "shells[0].cuts[0].points[1]", {"must be finite"});
+  expect_refusal(with_fields("cuts { circle { center { u: 0.25 v: 0.25 } radius_m: 0.01 } }"),
                  "shells[0].cuts[0].circle.radius_m", {"half a spacing", "more elements"});
-  expect_refusal(scene("cuts { circle { radius_m: 0.1 } }"), "shells[0].cuts[0].circle.center", {"is missing"});
-  expect_refusal(scene("cuts { circle { center { u: inf v: 0.25 } radius_m: 0.1 } }"),
+  expect_refusal(with_fields("cuts { circle { radius_m: 0.1 } }"), "shells[0].cuts[0].circle.center", {"is missing"});
+  expect_refusal(with_fields("cuts { circle { center { u: inf v: 0.25 } radius_m: 0.1 } }"),
                  "shells[0].cuts[0].circle.center", {"must be finite"});
-  expect_refusal(scene("cuts { points { u: 0.1 } points {} circle { center {} radius_m: 0.1 } }"),
+  expect_refusal(with_fields("cuts { points { u: 0.1 } points {} circle { center {} radius_m: 0.1 } }"),
                  "shells[0].cuts[0].points", {"give one of them"});
-  expect_refusal(scene("cuts { curve { points {} points { u: 0.1 } points { v: 0.1 } } }"),
+  expect_refusal(with_fields("cuts { curve { points {} points { u: 0.1 } points { v: 0.1 } } }"),
                  "shells[0].cuts[0].curve.points", {"has 3 points", "at least 4"});
-  expect_refusal(scene("cuts { curve { degree: 7 } }"), "shells[0].cuts[0].curve.degree", {"2 to 5"});
-  expect_refusal(scene("cuts { curve { closed: true points {} points { u: 0.1 } points { v: 0.1 } points {} } }"),
+  expect_refusal(with_fields("cuts { curve { degree: 7 } }"), "shells[0].cuts[0].curve.degree", {"2 to 5"});
+  expect_refusal(with_fields("cuts { curve { closed: true points {} points { u: 0.1 } points { v: 0.1 } points {} } }"),
                  "shells[0].cuts[0].curve.points[3]", {"leave the last one out"});
-  expect_refusal(scene("cuts { curve { points {} points {} points {} points {} } }"), "shells[0].cuts[0].curve",
+  expect_refusal(with_fields("cuts { curve { points {} points {} points {} points {} } }"), "shells[0].cuts[0].curve",
                  {"has no length"});
-  expect_refusal(scene("cuts { spiral { center { u: 0.2 v: 0.2 } inner_radius_m: 0.1 outer_radius_m: 0.1 turns: 1 } }"),
-                 "shells[0].cuts[0].spiral.outer_radius_m", {"above inner_radius_m"});
-  expect_refusal(scene("cuts { spiral { center { u: 0.2 v: 0.2 } outer_radius_m: 0.1 turns: 40 } }"),
+  expect_refusal(
+      with_fields("cuts { spiral { center { u: 0.2 v: 0.2 } inner_radius_m: 0.1 outer_radius_m: 0.1 turns: 1 } }"),
+      "shells[0].cuts[0].spiral.outer_radius_m", {"above inner_radius_m"});
+  expect_refusal(with_fields("cuts { spiral { center { u: 0.2 v: 0.2 } outer_radius_m: 0.1 turns: 40 } }"),
                  "shells[0].cuts[0].spiral.turns", {"take fewer"});
 }
 
 TEST(Cut, ThatMeetsItselfIsRefusedWithBothSegmentsAndThePlace) {
-  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } points { u: 0.2 v: 0.2 } "
-                       "points { u: 0.2 v: 0.05 } }"),
+  expect_refusal(with_fields("cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } points { u: 0.2 v: 0.2 } "
+                             "points { u: 0.2 v: 0.05 } }"),
                  "shells[0].cuts[0].points[2]",
                  {"from here to points[3]", "points[0] to points[1] at (0.2, 0.1)", "two cuts"});
-  expect_refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.5 v: 0.4 } points { u: 0 v: 0.4 } "
-                       "points { u: 0.4 v: 0.1 } } }"),
+  expect_refusal(with_fields("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.5 v: 0.4 } points { u: 0 v: 0.4 } "
+                             "points { u: 0.4 v: 0.1 } } }"),
                  "shells[0].cuts[0].curve", {"meets itself at (0.25", "two cuts"});
   // two cuts may cross each other, and a cut may be closed
-  EXPECT_EQ(refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } } cuts { points { u: 0.2 v: 0.2 } "
+  EXPECT_EQ(
+      refusal(with_fields("cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } } cuts { points { u: 0.2 v: 0.2 } "
                           "points { u: 0.2 v: 0.05 } } cuts { points { u: 0.3 v: 0.3 } points { u: 0.4 v: 0.3 } "
                           "points { u: 0.3 v: 0.4 } points { u: 0.3 v: 0.3 } }"))
-                .kind,
-            "accepted");
+          .kind,
+      "accepted");
 }
 
 TEST(Cut, TakesSettingsAndKeepsItsTime) {
-  const std::string text = scene("cuts { time_s: 0.25 circle { center { u: 0.25 v: 0.25 } radius_m: 0.1 } }");
+  const std::string text = with_fields("cuts { time_s: 0.25 circle { center { u: 0.25 v: 0.25 } radius_m: 0.1 } }");
   const auto cut = built(text, {"shells[pane].cuts[0].circle.radius_m=0.2"}).shells[0].fracture.cuts[0];
   EXPECT_EQ(cut.time, 0.25);
   ASSERT_EQ(cut.lines.size(), 1u);
@@ -105,8 +93,8 @@ TEST(Cut, TakesSettingsAndKeepsItsTime) {
 
 TEST(Cut, GrowsInPiecesThatFollowOneAnother) {
   const std::string line = "cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } points { u: 0.3 v: 0.25 } ";
-  const auto setup =
-      built(scene(line + "time_s: 0.2 until_s: 0.6 } cuts { points { u: 0.1 v: 0.4 } points { u: 0.2 v: 0.4 } }"));
+  const auto setup = built(
+      with_fields(line + "time_s: 0.2 until_s: 0.6 } cuts { points { u: 0.1 v: 0.4 } points { u: 0.2 v: 0.4 } }"));
   std::vector<sunder::shell::PrescribedCut> cuts = setup.shells[0].fracture.cuts;
   EXPECT_EQ(cuts.back().number, 1);
   EXPECT_FALSE(cuts.back().goes_on);
@@ -128,17 +116,17 @@ TEST(Cut, GrowsInPiecesThatFollowOneAnother) {
   EXPECT_NEAR(length, 0.35, 1e-12);
   EXPECT_EQ(cuts.front().lines[0].front(), Vec2(0.1, 0.1));
   EXPECT_EQ(cuts.back().lines[0].back(), Vec2(0.3, 0.25));
-  expect_refusal(scene(line + "time_s: 0.2 until_s: 0.2 }"), "shells[0].cuts[0].until_s", {"give a later time"});
+  expect_refusal(with_fields(line + "time_s: 0.2 until_s: 0.2 }"), "shells[0].cuts[0].until_s", {"give a later time"});
   for (const char* late : {"7e3", "1"})
-    expect_refusal(scene(line + "until_s: " + late + " }"), "shells[0].cuts[0].until_s",
+    expect_refusal(with_fields(line + "until_s: " + late + " }"), "shells[0].cuts[0].until_s",
                    {"would not become whole; give until_s below 1 s, or a later end_time_s"});
-  EXPECT_EQ(built(scene(line + "until_s: 0.999999 }")).shells[0].fracture.cuts.size(), 12u);
-  expect_refusal(scene(line + "until_s: 0.5 }", "", "fracture { latest_freeze_s: 0.5 }\n"), "shells[0].cuts[0].until_s",
-                 {"below 0.5 s, or a later fracture.latest_freeze_s"});
+  EXPECT_EQ(built(with_fields(line + "until_s: 0.999999 }")).shells[0].fracture.cuts.size(), 12u);
+  expect_refusal(with_fields(line + "until_s: 0.5 }", "", "fracture { latest_freeze_s: 0.5 }\n"),
+                 "shells[0].cuts[0].until_s", {"below 0.5 s, or a later fracture.latest_freeze_s"});
 }
 
 TEST(Cut, WithMorePointsThanAShellCanResolveIsRefused) {
   std::string points;
   for (int k = 0; k <= 20000; ++k) points += fmt::format("points {{ u: {} v: 0.1 }} ", 0.1 + 1e-5 * k);
-  expect_refusal(scene("cuts { " + points + "}"), "shells[0].cuts[0]", {"has 20001 points", "at most 20000"});
+  expect_refusal(with_fields("cuts { " + points + "}"), "shells[0].cuts[0]", {"has 20001 points", "at most 20000"});
 }

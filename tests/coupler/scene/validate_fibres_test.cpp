@@ -8,8 +8,8 @@ using namespace small_scene;
 const std::string kFibres = "fibres { compression_modulus: 1e7 shear_modulus: 1e7 friction: 0.3 }";
 
 // Two panes with fibres; `second`: fields of the second one.
-std::string scene(const std::string& from = "", const std::string& to = "", const std::string& more = "",
-                  const std::string& second = kFibres) {
+std::string fibre_scene(const std::string& from = "", const std::string& to = "", const std::string& more = "",
+                        const std::string& second = kFibres) {
   std::string text = kScene;
   text.replace(text.find("  plate {"), 0, "  " + kFibres + "\n");
   text += "shells {\n  name: \"over\"\n  material: \"glass\"\n  thickness_m: 0.004\n  " + second +
@@ -21,7 +21,7 @@ std::string scene(const std::string& from = "", const std::string& to = "", cons
   return text.replace(at, from.size(), to);
 }
 
-sunder::shell::RunSetup built(const std::string& text, std::string& report) {
+sunder::shell::RunSetup built_with_report(const std::string& text, std::string& report) {
   const std::string path = own_file("fibre_scene_test.textproto");
   std::ofstream(path) << text;
   const auto loaded = sunder::scene::load(path, {});
@@ -35,24 +35,24 @@ sunder::shell::RunSetup built(const std::string& text, std::string& report) {
 
 TEST(FibreScene, IsAcceptedAndReported) {
   std::string report;
-  const auto setup = built(scene(), report);
+  const auto setup = built_with_report(fibre_scene(), report);
   EXPECT_NE(report.find("fibres         on a grid of 0.0375 m"), std::string::npos) << report;
   EXPECT_FALSE(setup.shells_meet);                  // only fibres act between these
   EXPECT_NEAR(setup.fibre_spacing, 0.0375, 1e-12);  // the longest element, of the second
-  const auto mixed = built(scene("", "", R"(shells {
+  const auto mixed = built_with_report(fibre_scene("", "", R"(shells {
   name: "third"
   material: "glass"
   thickness_m: 0.004
   plate { size_x_m: 0.3 size_y_m: 0.3 elements_x: 8 elements_y: 8 pose { position { z: 0.02 } } }
 }
 )"),
-                           report);
+                                       report);
   EXPECT_TRUE(mixed.shells_meet);
 }
 
 TEST(FibreScene, WithoutFibresHasNoFibreModel) {
   std::string report;
-  const auto setup = built(kScene, report);
+  const auto setup = built_with_report(kScene, report);
   EXPECT_EQ(report.find("fibres"), std::string::npos) << report;
   EXPECT_EQ(setup.fibre_spacing, 0.0);
   const auto state = sunder::shell::make_state(setup.shells[0].model, sunder::Vec3::Zero(), 0);
@@ -62,26 +62,27 @@ TEST(FibreScene, WithoutFibresHasNoFibreModel) {
 TEST(FibreScene, StiffFibresShortenTheStep) {
   const auto step = [](const std::string& text) {
     std::string report;
-    built(text, report);
+    built_with_report(text, report);
     return std::stod(report.substr(report.find("stable step") + 11));
   };
   // square root of the modulus, once it dominates
-  const double soft = step(scene("compression_modulus: 1e7", "compression_modulus: 1e12"));
-  EXPECT_NEAR(step(scene("compression_modulus: 1e7", "compression_modulus: 1e14")), 0.1 * soft, 0.02 * 0.1 * soft);
+  const double soft = step(fibre_scene("compression_modulus: 1e7", "compression_modulus: 1e12"));
+  EXPECT_NEAR(step(fibre_scene("compression_modulus: 1e7", "compression_modulus: 1e14")), 0.1 * soft,
+              0.02 * 0.1 * soft);
 }
 
 TEST(FibreScene, RefusesFieldsThatAreMissingOrOutOfRange) {
   const std::string f = "shells[0].fibres";
-  expect_refusal(scene("compression_modulus: 1e7 ", ""), f + ".compression_modulus", {"is missing"});
-  expect_refusal(scene("compression_modulus: 1e7", "compression_modulus: -1"), f + ".compression_modulus",
+  expect_refusal(fibre_scene("compression_modulus: 1e7 ", ""), f + ".compression_modulus", {"is missing"});
+  expect_refusal(fibre_scene("compression_modulus: 1e7", "compression_modulus: -1"), f + ".compression_modulus",
                  {"must be positive"});
-  expect_refusal(scene("shear_modulus: 1e7 ", ""), f + ".shear_modulus", {"is missing"});
-  expect_refusal(scene("shear_modulus: 1e7", "shear_modulus: nan"), f + ".shear_modulus", {"must be positive"});
-  expect_refusal(scene("friction: 0.3", "friction: -0.1"), f + ".friction", {"not negative"});
-  expect_refusal(scene("friction: 0.3", "friction: inf"), f + ".friction", {"must be finite"});
-  expect_refusal(scene("friction: 0.3", "friction: 1e305"), f + ".friction", {"at most 1e+06"});
-  expect_refusal(scene("friction: 0.3", "grid_spacing_m: 0.01"), f + ".grid_spacing_m", {"longest element"});
-  expect_refusal(scene("friction: 0.3", "grid_spacing_m: 1"), f + ".grid_spacing_m", {"take less"});
+  expect_refusal(fibre_scene("shear_modulus: 1e7 ", ""), f + ".shear_modulus", {"is missing"});
+  expect_refusal(fibre_scene("shear_modulus: 1e7", "shear_modulus: nan"), f + ".shear_modulus", {"must be positive"});
+  expect_refusal(fibre_scene("friction: 0.3", "friction: -0.1"), f + ".friction", {"not negative"});
+  expect_refusal(fibre_scene("friction: 0.3", "friction: inf"), f + ".friction", {"must be finite"});
+  expect_refusal(fibre_scene("friction: 0.3", "friction: 1e305"), f + ".friction", {"at most 1e+06"});
+  expect_refusal(fibre_scene("friction: 0.3", "grid_spacing_m: 0.01"), f + ".grid_spacing_m", {"longest element"});
+  expect_refusal(fibre_scene("friction: 0.3", "grid_spacing_m: 1"), f + ".grid_spacing_m", {"take less"});
   const std::string fine = R"(shells {
   name: "third"
   material: "glass"
@@ -90,25 +91,28 @@ TEST(FibreScene, RefusesFieldsThatAreMissingOrOutOfRange) {
   fibres { compression_modulus: 1e7 shear_modulus: 1e7 }
 }
 )";  // one grid for all: that of the coarsest
-  expect_refusal(scene("", "", fine), "shells[2].fibres.grid_spacing_m", {"is 0.0375 m for all shells", "more alike"});
-  expect_refusal(scene("friction: 0.3", "grid_spacing_m: -1"), f + ".grid_spacing_m", {"must be positive"});
+  expect_refusal(fibre_scene("", "", fine), "shells[2].fibres.grid_spacing_m",
+                 {"is 0.0375 m for all shells", "more alike"});
+  expect_refusal(fibre_scene("friction: 0.3", "grid_spacing_m: -1"), f + ".grid_spacing_m", {"must be positive"});
 }
 
 TEST(FibreScene, RefusesFieldsThatExcludeFibres) {
   const std::string f = "shells[0].fibres";
-  expect_refusal(scene("", "", "", ""), f, {"have nothing to touch", "contacts { first: \"pane\" second: \"pane\" }"});
-  EXPECT_EQ(refusal(scene("", "", "contacts { first: \"pane\" second: \"pane\" }\n", "")).kind, "accepted");
-  expect_refusal(scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 strength: 5e7 fracture_energy: 8 }"), f,
+  expect_refusal(fibre_scene("", "", "", ""), f,
+                 {"have nothing to touch", "contacts { first: \"pane\" second: \"pane\" }"});
+  EXPECT_EQ(refusal(fibre_scene("", "", "contacts { first: \"pane\" second: \"pane\" }\n", "")).kind, "accepted");
+  expect_refusal(fibre_scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 strength: 5e7 fracture_energy: 8 }"), f,
                  {"has a strength"});
-  expect_refusal(scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 stiffness_damping_s: 1e-7 }"), f,
+  expect_refusal(fibre_scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 stiffness_damping_s: 1e-7 }"), f,
                  {"take mass_damping_per_s"});
-  expect_refusal(scene(kFibres, kFibres + " cuts { points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.4 } }"), f,
+  expect_refusal(fibre_scene(kFibres, kFibres + " cuts { points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.4 } }"), f,
                  {"has cuts"});
-  expect_refusal(scene(kFibres, kFibres + " equilibrium {}"), "shells[0].equilibrium", {"has fibres"});
-  expect_refusal(scene("", "", "seams {}\n"), "seams", {"have fibres"});
-  expect_refusal(scene("", "", "transfer { kind: APIC }\n"), "transfer", {"cannot go with fibres"});
-  expect_refusal(scene("", "", "coupling { scheme: ITERATED }\n"), "coupling.scheme", {"ITERATED"});
-  expect_refusal(scene("", "", "fracture { latest_freeze_s: 0.5 }\n"), "fracture.latest_freeze_s", {"leave it out"});
-  expect_refusal(scene("", "", "contacts { first: \"pane\" second: \"over\" friction: 0.2 }\n"), "contacts[0]",
+  expect_refusal(fibre_scene(kFibres, kFibres + " equilibrium {}"), "shells[0].equilibrium", {"has fibres"});
+  expect_refusal(fibre_scene("", "", "seams {}\n"), "seams", {"have fibres"});
+  expect_refusal(fibre_scene("", "", "transfer { kind: APIC }\n"), "transfer", {"cannot go with fibres"});
+  expect_refusal(fibre_scene("", "", "coupling { scheme: ITERATED }\n"), "coupling.scheme", {"ITERATED"});
+  expect_refusal(fibre_scene("", "", "fracture { latest_freeze_s: 0.5 }\n"), "fracture.latest_freeze_s",
+                 {"leave it out"});
+  expect_refusal(fibre_scene("", "", "contacts { first: \"pane\" second: \"over\" friction: 0.2 }\n"), "contacts[0]",
                  {"their own friction"});
 }

@@ -5,41 +5,25 @@ namespace {
 
 using namespace small_scene;
 
-const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
-
-// The small scene with additional fields of the shell, the material and the scene.
-std::string scene(const std::string& shell, const std::string& more = "", const std::string& material = kStrong) {
-  std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
-  text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
-  return text + more;
-}
-
-sunder::shell::RunSetup built(const std::string& text) {
-  const std::string path = own_file("output_scene.textproto");
-  std::ofstream(path) << text;
-  const auto scene = sunder::scene::load(path, {});
-  std::remove(path.c_str());
-  return sunder::shell::build(scene);
-}
-
 }  // namespace
 
 TEST(OutputFields, AreBuilt) {
-  const auto setup = built(scene("",
-                                 "output { fields: [STRESS, THICKNESS] probes { name: \"a\" shell: \"pane\" "
-                                 "fields: BENDING_MOMENT } probes { name: \"b\" shell: \"pane\" body: \"ball\" } }\n"));
+  const auto setup =
+      built(strong("",
+                   "output { fields: [STRESS, THICKNESS] probes { name: \"a\" shell: \"pane\" "
+                   "fields: BENDING_MOMENT } probes { name: \"b\" shell: \"pane\" body: \"ball\" } }\n"));
   using sunder::shell::FieldSet;
   EXPECT_TRUE(setup.fields.has(FieldSet::kStress) && setup.fields.has(FieldSet::kThickness));
   EXPECT_FALSE(setup.fields.has(FieldSet::kStrain));
   ASSERT_EQ(setup.probes.size(), 2u);
   EXPECT_TRUE(setup.probes[0].fields.has(FieldSet::kBendingMoment));
   EXPECT_TRUE(setup.probes[1].is_pair());
-  EXPECT_TRUE(built(scene("")).fields.empty());
+  EXPECT_TRUE(built(strong("")).fields.empty());
 }
 
 TEST(OutputFields, AreRefusedWhereNothingHasThem) {
   const auto refused = [](const std::string& output, const std::string& field, const std::string& says) {
-    expect_refusal(scene("", "output { " + output + " }\n"), "output." + field, {says});
+    expect_refusal(strong("", "output { " + output + " }\n"), "output." + field, {says});
   };
   refused("fields: FIELD_UNSPECIFIED", "fields[0]", "name STRESS, STRAIN");
   refused("fields: [STRESS, STRESS]", "fields[1]", "names STRESS twice");
@@ -53,7 +37,7 @@ TEST(OutputFields, AreRefusedWhereNothingHasThem) {
       "materials { name: \"rubber\" density: 1000 youngs_modulus: 1e6 poisson_ratio: 0.45 }\n"
       "soft_bodies { name: \"lump\" material: \"rubber\" sphere { radius_m: 0.05 } spacing_m: 0.01 "
       "pose { position { x: 0.3 z: 0.1 } } }\n";
-  expect_refusal(scene("", lump + "output { probes { name: \"a\" shell: \"pane\" body: \"lump\" } }\n"),
+  expect_refusal(strong("", lump + "output { probes { name: \"a\" shell: \"pane\" body: \"lump\" } }\n"),
                  "output.probes[0].body", {"a soft body, whose contact with a shell is not measured"});
 }
 

@@ -6,7 +6,7 @@ namespace {
 using namespace small_scene;
 
 // Two plates side by side, additional fields of the second one, and seams.
-std::string scene(const std::string& seams, const std::string& shell = "", double x = 0.5) {
+std::string two_plates(const std::string& seams, const std::string& shell = "", double x = 0.5) {
   std::string text = replaced("bodies {", "# bodies: none\nbodies {");
   text.resize(text.find("# bodies"));
   return text + fmt::format(R"(shells {{
@@ -26,32 +26,32 @@ std::string scene(const std::string& seams, const std::string& shell = "", doubl
 TEST(SceneSeams, AreAcceptedWithEveryRule) {
   for (const char* rules : {"", "rules { first: \"pane\" second: \"wing\" kind: HINGE }",
                             "tolerance_m: 1e-5 rules { first: \"wing\" second: \"pane\" kind: OPEN }"}) {
-    const sunder::Error e = refusal(scene(fmt::format("seams {{ {} }}", rules)));
+    const sunder::Error e = refusal(two_plates(fmt::format("seams {{ {} }}", rules)));
     EXPECT_EQ(e.kind, "accepted") << e.what();
   }
 }
 
 TEST(SceneSeams, OfUnknownShellsAreRefused) {
-  expect_refusal(scene("seams { rules { first: \"pane\" second: \"wnig\" kind: HINGE } }"), "seams.rules[0].second",
-                 {"'wnig' is no shell of this scene"});
-  expect_refusal(scene("seams { rules { first: \"pane\" second: \"pane\" kind: HINGE } }"), "seams.rules[0].second",
-                 {"a seam is between two shells"});
+  expect_refusal(two_plates("seams { rules { first: \"pane\" second: \"wnig\" kind: HINGE } }"),
+                 "seams.rules[0].second", {"'wnig' is no shell of this scene"});
+  expect_refusal(two_plates("seams { rules { first: \"pane\" second: \"pane\" kind: HINGE } }"),
+                 "seams.rules[0].second", {"a seam is between two shells"});
   expect_refusal(
-      scene("seams { rules { first: \"pane\" second: \"wing\" } rules { first: \"wing\" second: \"pane\" } }"),
+      two_plates("seams { rules { first: \"pane\" second: \"wing\" } rules { first: \"wing\" second: \"pane\" } }"),
       "seams.rules[1]", {"says again"});
 }
 
 TEST(SceneSeams, WithoutACommonEdgeAreRefused) {
   const std::string fastened = "seams { rules { first: \"pane\" second: \"wing\" } }";
-  EXPECT_EQ(refusal(scene(fastened)).kind, "accepted");
-  expect_refusal(scene(fastened, "", 1.5), "seams.rules[0]", {"'pane' and 'wing'", "no whole edge in common"});
-  EXPECT_EQ(refusal(scene("seams { rules { first: \"pane\" second: \"wing\" kind: OPEN } }", "", 1.5)).kind,
+  EXPECT_EQ(refusal(two_plates(fastened)).kind, "accepted");
+  expect_refusal(two_plates(fastened, "", 1.5), "seams.rules[0]", {"'pane' and 'wing'", "no whole edge in common"});
+  EXPECT_EQ(refusal(two_plates("seams { rules { first: \"pane\" second: \"wing\" kind: OPEN } }", "", 1.5)).kind,
             "accepted");
 }
 
 TEST(SceneSeams, WithASupportThatWouldDoNothingAreRefused) {
   const auto with = [](const std::string& pane, const std::string& wing, const std::string& rule) {
-    std::string text = scene("seams { " + rule + " }", wing);
+    std::string text = two_plates("seams { " + rule + " }", wing);
     return text.insert(text.find("shells {") + 8, pane);
   };
   const std::string hinge = "rules { first: \"pane\" second: \"wing\" kind: HINGE }";
@@ -69,27 +69,27 @@ TEST(SceneSeams, WithASupportThatWouldDoNothingAreRefused) {
 
 TEST(SceneSeams, OfAToleranceOutOfRangeAreRefused) {
   for (const char* value : {"0", "-1e-6", "2", "nan"})
-    expect_refusal(scene(fmt::format("seams {{ tolerance_m: {} }}", value)), "seams.tolerance_m",
+    expect_refusal(two_plates(fmt::format("seams {{ tolerance_m: {} }}", value)), "seams.tolerance_m",
                    {"above 0, at most 1"});
 }
 
 TEST(SceneSeams, WithFieldsForSingleShellsAreRefused) {
   expect_refusal(
-      scene("seams {}", "equilibrium {} supports { edges: ALL kind: CLAMPED }"), "shells[1].equilibrium",
+      two_plates("seams {}", "equilibrium {} supports { edges: ALL kind: CLAMPED }"), "shells[1].equilibrium",
       {"is found with the stiffness of one shell", "leave equilibrium out and let each load grow by its `factor`"});
   const char* grown = "loads { pressure: -10 factor { time_s: 0 value: 0 } factor { time_s: 0.1 value: 1 } }";
-  EXPECT_EQ(refusal(scene("seams {}", grown, 0.5)).kind, "accepted");
-  expect_refusal(scene("seams {} transfer { kind: FLIP }"), "transfer", {"cannot go with seams"});
+  EXPECT_EQ(refusal(two_plates("seams {}", grown, 0.5)).kind, "accepted");
+  expect_refusal(two_plates("seams {} transfer { kind: FLIP }"), "transfer", {"cannot go with seams"});
 }
 
 TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
-  expect_refusal(scene("seams {}", "", 0.502), "seams", {"nearly meet", "0.002 m apart", "seams.tolerance_m"});
-  EXPECT_EQ(refusal(scene("", "", 0.502)).kind, "accepted");
-  expect_refusal(scene("seams {}", "supports { edges: U_MIN kind: CLAMPED }"), "seams",
+  expect_refusal(two_plates("seams {}", "", 0.502), "seams", {"nearly meet", "0.002 m apart", "seams.tolerance_m"});
+  EXPECT_EQ(refusal(two_plates("", "", 0.502)).kind, "accepted");
+  expect_refusal(two_plates("seams {}", "supports { edges: U_MIN kind: CLAMPED }"), "seams",
                  {"a support of shell 'wing' holds its seam with shell 'pane'", "the same edge of both",
                   "rules { first: \"wing\" second: \"pane\" kind: OPEN }"});
-  EXPECT_EQ(refusal(scene("seams { rules { first: \"wing\" second: \"pane\" kind: OPEN } }",
-                          "supports { edges: U_MIN kind: CLAMPED }"))
+  EXPECT_EQ(refusal(two_plates("seams { rules { first: \"wing\" second: \"pane\" kind: OPEN } }",
+                               "supports { edges: U_MIN kind: CLAMPED }"))
                 .kind,
             "accepted");
 }
@@ -97,11 +97,12 @@ TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
 // Two plates that overlap, each trimmed along one slanted line.
 TEST(SceneSeams, AlongTrimsJoinShellsThatMayCrack) {
   const auto slanted = [](const std::string& seams, double shift, const std::string& more = "") {
-    std::string text = scene(seams,
-                             fmt::format("trims {{ points {{ u: {0} }} points {{ u: 0.5 }} points {{ u: 0.5 v: 0.5 }} "
-                                         "points {{ u: {1} v: 0.5 }} points {{ u: {0} }} }}",
-                                         shift, 0.04 + shift),
-                             0.4);
+    std::string text =
+        two_plates(seams,
+                   fmt::format("trims {{ points {{ u: {0} }} points {{ u: 0.5 }} points {{ u: 0.5 v: 0.5 }} "
+                               "points {{ u: {1} v: 0.5 }} points {{ u: {0} }} }}",
+                               shift, 0.04 + shift),
+                   0.4);
     text.insert(
         text.find("elements_y: 16 }\n") + 17,
         "  trims { points {} points { u: 0.4 } points { u: 0.44 v: 0.5 } points { v: 0.5 } points {} } " + more + "\n");
@@ -118,7 +119,7 @@ TEST(SceneSeams, AlongTrimsJoinShellsThatMayCrack) {
 TEST(SceneSeams, TellShellsWhichOfTheirEdgesContinueInAnother) {
   const auto joined = [](const std::string& seams) {
     const std::string path = own_file("seam_scene.textproto");
-    std::ofstream(path) << scene(seams);
+    std::ofstream(path) << two_plates(seams);
     const auto setup = sunder::shell::build(sunder::scene::load(path, {}));
     std::remove(path.c_str());
     return std::pair(setup.shells[0].model.joined, setup.shells[1].model.joined);
@@ -136,7 +137,7 @@ TEST(SceneCuts, OnEdgesOfThePatchOpenSeamsAndSupports) {
       "points { u: 0 v: 0.1 } }";
   const auto cut = [&](const std::string& seams, const std::string& more) {
     const std::string path = own_file("edge_cut_scene.textproto");
-    std::ofstream(path) << scene(seams, rectangle + more);
+    std::ofstream(path) << two_plates(seams, rectangle + more);
     const auto setup = sunder::shell::build(sunder::scene::load(path, {}));
     std::remove(path.c_str());
     // the other shell gets a free edge, and its stable step accounts for it
@@ -157,8 +158,8 @@ TEST(SceneCuts, OnEdgesOfThePatchOpenSeamsAndSupports) {
   ASSERT_EQ(parted.lines.size(), 2u);
   for (const sunder::Vec2& p : parted.lines[1]) EXPECT_NEAR(p.x(), 5e-4 * 0.5 / 16, 1e-12);
   for (const char* seams : {"", "seams { rules { first: \"pane\" second: \"wing\" kind: OPEN } }"})
-    expect_refusal(scene(seams, rectangle), "shells[1].cuts[0]",
+    expect_refusal(two_plates(seams, rectangle), "shells[1].cuts[0]",
                    {"from (0, 0.1) to (0, 0.4), on which nothing hangs", "leave that side out"});
-  expect_refusal(scene("", rectangle + " supports { edges: U_MIN kind: SIMPLY_SUPPORTED }"), "shells[1].cuts[0]",
+  expect_refusal(two_plates("", rectangle + " supports { edges: U_MIN kind: SIMPLY_SUPPORTED }"), "shells[1].cuts[0]",
                  {"a support holds without its slope", "leave the support out"});
 }

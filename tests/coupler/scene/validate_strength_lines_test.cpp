@@ -10,27 +10,6 @@ using namespace small_scene;
 using sunder::Vec2;
 using sunder::Vec3;
 
-const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
-
-// The small scene with additional fields of the shell, the material and the scene.
-std::string scene(const std::string& shell, const std::string& more = "", const std::string& material = kStrong) {
-  std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
-  text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
-  return text + more;
-}
-
-const std::string kWing =
-    "shells { name: \"wing\" material: \"glass\" thickness_m: 0.004 "
-    "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 pose { position { x: 0.5 } } } }\n";
-
-sunder::shell::RunSetup built(const std::string& text) {
-  const std::string path = own_file("lines_scene.textproto");
-  std::ofstream(path) << text;
-  const auto scene = sunder::scene::load(path, {});
-  std::remove(path.c_str());
-  return sunder::shell::build(scene);
-}
-
 /// Number of Gauss points of a shell with each factor of strength, which must be one of those given.
 std::map<double, int> points_of(const sunder::shell::ShellModel& m) {
   std::map<double, int> out;
@@ -43,8 +22,8 @@ std::map<double, int> points_of(const sunder::shell::ShellModel& m) {
 
 TEST(StrengthLines, WeakenWhatIsWithinHalfTheirWidth) {
   const auto setup = built(
-      scene("strength_lines { points { u: 0.1 v: 0 } points { u: 0.1 v: 0.3 } points { u: 0.4 v: 0.3 } width_m: 0.08 "
-            "factor: 0.25 } strength_regions { low {} high { u: 0.1 v: 0.5 } factor: 2 }"));
+      strong("strength_lines { points { u: 0.1 v: 0 } points { u: 0.1 v: 0.3 } points { u: 0.4 v: 0.3 } width_m: 0.08 "
+             "factor: 0.25 } strength_regions { low {} high { u: 0.1 v: 0.5 } factor: 2 }"));
   const auto& m = setup.shells[0].model;
   for (int q = 0; q < m.tables.blocks(); ++q)
     for (int e = 0; e < m.tables.spans_u; ++e) {
@@ -62,14 +41,14 @@ TEST(StrengthLines, WeakenWhatIsWithinHalfTheirWidth) {
 TEST(StrengthLines, InSpaceRunOverShells) {
   const std::string line =
       "strength_lines { points { x: -0.2 y: 0.05 } points { x: 0.7 y: 0.05 } width_m: 0.04 factor: 0.5 ";
-  const auto both = built(scene("", kWing + line + "}\n"));
+  const auto both = built(strong("", kWing + line + "}\n"));
   for (const auto& s : both.shells) {
     auto points = points_of(s.model);
     EXPECT_GT(points[0.5], 0) << s.model.name;
     EXPECT_EQ(points.size(), 2u) << s.model.name;
   }
   EXPECT_EQ(both.shells[0].model.strength_factor_at(0, 0), 1.0);
-  const auto one = built(scene("", kWing + line + "shells: \"wing\" }\n"));
+  const auto one = built(strong("", kWing + line + "shells: \"wing\" }\n"));
   EXPECT_TRUE(one.shells[0].model.strength_factor.empty());
   EXPECT_EQ(points_of(one.shells[1].model).size(), 2u);
 }
@@ -80,9 +59,9 @@ TEST(StrengthLines, InSpaceFollowACurvedShell) {
       "name: \"vault\" material: \"glass\" thickness_m: 0.01 cylinder { radius_m: 1 length_m: 1 angle_deg: 120 "
       "elements_u: 96 elements_v: 48 }";
   const auto setup =
-      built(scene("", "shells { " + shell +
-                          " }\nstrength_lines { shells: \"vault\" width_m: 0.1 factor: 0.5 "
-                          "points { x: 0.5 y: -0.8660254 z: 0.5 } points { x: 0.5 y: 0.8660254 z: 0.5 } }\n"));
+      built(strong("", "shells { " + shell +
+                           " }\nstrength_lines { shells: \"vault\" width_m: 0.1 factor: 0.5 "
+                           "points { x: 0.5 y: -0.8660254 z: 0.5 } points { x: 0.5 y: 0.8660254 z: 0.5 } }\n"));
   const auto& m = setup.shells[1].model;
   for (int q = 0; q < m.tables.blocks(); ++q)
     for (int e = 0; e < m.tables.spans_u; ++e) {
@@ -94,7 +73,7 @@ TEST(StrengthLines, InSpaceFollowACurvedShell) {
 TEST(StrengthLines, AreRefusedWherePlaceOrFactorIsWrong) {
   const std::string points = "points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.1 } ";
   const auto refused = [](const std::string& line, const std::string& field, const std::string& says) {
-    expect_refusal(scene("strength_lines { " + line + " }"), "shells[0].strength_lines[0]" + field, {says});
+    expect_refusal(strong("strength_lines { " + line + " }"), "shells[0].strength_lines[0]" + field, {says});
   };
   refused("points { u: 0.1 } width_m: 0.1 factor: 0.5", ".points", "two or more");
   refused("points { u: nan } points {} width_m: 0.1 factor: 0.5", ".points[0]", "must be finite");
@@ -104,16 +83,16 @@ TEST(StrengthLines, AreRefusedWherePlaceOrFactorIsWrong) {
   refused(points + "width_m: 0.1", ".factor", "is missing");
   refused(points + "width_m: 0.1 factor: 0", ".factor", "must be positive");
   refused(points + "width_m: 0.01 factor: 0.5", ".width_m", "would have gaps; give 0.03128 m or more");
-  EXPECT_EQ(refusal(scene("strength_lines { " + points + "width_m: 0.03128 factor: 0.5 }")).kind, "accepted");
+  EXPECT_EQ(refusal(strong("strength_lines { " + points + "width_m: 0.03128 factor: 0.5 }")).kind, "accepted");
   refused("points { u: 1 } points { u: 2 } width_m: 0.1 factor: 0.5", "", "passes no Gauss point");
-  expect_refusal(scene("strength_lines { " + points + "width_m: 0.1 factor: 0.5 }", "", ""), "shells[0].strength_lines",
-                 {"'glass' has not"});
+  expect_refusal(strong("strength_lines { " + points + "width_m: 0.1 factor: 0.5 }", "", ""),
+                 "shells[0].strength_lines", {"'glass' has not"});
 }
 
 TEST(StrengthLines, InSpaceAreRefusedWherePlaceOrShellIsWrong) {
   const std::string points = "points { x: -0.2 } points { x: 0.2 } ", rest = "width_m: 0.1 factor: 0.5 ";
   const auto refused = [](const std::string& line, const std::string& field, const std::string& says) {
-    expect_refusal(scene("", "strength_lines { " + line + " }\n"), "strength_lines[0]" + field, {says});
+    expect_refusal(strong("", "strength_lines { " + line + " }\n"), "strength_lines[0]" + field, {says});
   };
   refused("points { x: 1 }" + rest, ".points", "two or more");
   refused("points { x: 1 } points { x: inf }" + rest, ".points[1]", "must be finite");
@@ -122,15 +101,15 @@ TEST(StrengthLines, InSpaceAreRefusedWherePlaceOrShellIsWrong) {
   refused(points + "width_m: 0.01 factor: 0.5", ".width_m", "longest element of shell 'pane'");
   refused(points + rest + "shells: \"pain\"", ".shells[0]", "is no shell of this scene");
   refused("points { z: 3 } points { x: 0.2 z: 3 } " + rest, "", "passes no Gauss point of a shell");
-  expect_refusal(scene("", "strength_lines { " + points + rest + " }\n", ""), "strength_lines[0]",
+  expect_refusal(strong("", "strength_lines { " + points + rest + " }\n", ""), "strength_lines[0]",
                  {"no shell has a material with a strength"});
-  expect_refusal(scene("", "strength_lines { " + points + rest + " shells: \"pane\" }\n", ""),
+  expect_refusal(strong("", "strength_lines { " + points + rest + " shells: \"pane\" }\n", ""),
                  "strength_lines[0].shells[0]", {"'glass' has no strength"});
 }
 
 TEST(SeamStrengths, AreBuiltOrRefused) {
   const auto with = [](const std::string& rule, const std::string& more = "") {
-    return scene("", kWing + "seams { rules { first: \"pane\" second: \"wing\" " + rule + " } }\n" + more);
+    return strong("", kWing + "seams { rules { first: \"pane\" second: \"wing\" " + rule + " } }\n" + more);
   };
   const auto setup = built(with("strength: 2e4"));
   ASSERT_EQ(setup.stitches.seams.size(), 1u);

@@ -8,23 +8,6 @@ namespace {
 using namespace small_scene;
 using sunder::Vec2;
 
-const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
-
-// The small scene with additional fields of the shell (line 10), the material and the scene.
-std::string scene(const std::string& shell, const std::string& material = "", const std::string& more = "") {
-  std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
-  text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
-  return text + more;
-}
-
-sunder::shell::RunSetup built(const std::string& text, const std::vector<std::string>& settings = {}) {
-  const std::string path = own_file("strength_scene.textproto");
-  std::ofstream(path) << text;
-  const auto scene = sunder::scene::load(path, settings);
-  std::remove(path.c_str());
-  return sunder::shell::build(scene);
-}
-
 // A PNG file of one channel or several, its numbers row by row. `kind` is libpng's; a palette has two colours.
 std::string png_of(int width, int height, int bits, int kind, const std::vector<int>& numbers) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -70,14 +53,14 @@ struct MapFile {
 }  // namespace
 
 TEST(BranchRatio, BelowThatOfARunningTipIsRefused) {
-  expect_refusal(scene("", kStrong, "fracture { branch_ratio: 0.5 }\n"), "fracture.branch_ratio",
+  expect_refusal(with_fields("", kStrong, "fracture { branch_ratio: 0.5 }\n"), "fracture.branch_ratio",
                  {"is 0.5", "more than 1"});
 }
 
 TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {
-  const auto s = built(scene("strength_regions { low { u: 0 v: 0 } high { u: 0.25 v: 0.5 } factor: 0.3 } "
-                             "strength_regions { disc { center { u: 0.25 v: 0.25 } radius_m: 0.1 } factor: 2 }",
-                             kStrong),
+  const auto s = built(with_fields("strength_regions { low { u: 0 v: 0 } high { u: 0.25 v: 0.5 } factor: 0.3 } "
+                                   "strength_regions { disc { center { u: 0.25 v: 0.25 } radius_m: 0.1 } factor: 2 }",
+                                   kStrong),
                        {"shells[pane].strength_regions[0].factor=0.5"});
   const auto& m = s.shells[0].model;
   const auto state = sunder::shell::make_state(m, sunder::Vec3::Zero(), 1);
@@ -91,13 +74,14 @@ TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {
       ++seen[box + 2 * disc];
     }
   for (const int n : seen) EXPECT_GT(n, 0);
-  EXPECT_TRUE(built(scene("", kStrong)).shells[0].model.strength_factor.empty());
+  EXPECT_TRUE(built(with_fields("", kStrong)).shells[0].model.strength_factor.empty());
 }
 
 TEST(StrengthRegions, AreRefusedWhereFactorOrPlaceIsWrong) {
   const std::string box = "low { u: 0.1 v: 0.1 } high { u: 0.3 v: 0.3 } ";
   const auto refused = [](const std::string& region, const std::string& field, const std::string& says) {
-    expect_refusal(scene("strength_regions { " + region + " }", kStrong), "shells[0].strength_regions" + field, {says});
+    expect_refusal(with_fields("strength_regions { " + region + " }", kStrong), "shells[0].strength_regions" + field,
+                   {says});
   };
   refused(box, "[0].factor", "is missing");
   refused(box + "factor: 0", "[0].factor", "must be positive");
@@ -109,8 +93,9 @@ TEST(StrengthRegions, AreRefusedWhereFactorOrPlaceIsWrong) {
   refused(box + "disc { center {} radius_m: 1 } factor: 2", "[0].disc", "give one of them");
   refused("disc { center {} radius_m: -1 } factor: 2", "[0].disc.radius_m", "must be positive");
   refused(box + "factor: 1e6 } strength_regions { " + box + "factor: 10", "", "multiply to 1e+07");
-  expect_refusal(scene("strength_regions { " + box + "factor: 2 }"), "shells[0].strength_regions", {"'glass' has not"});
-  expect_refusal(scene("layers: 5 surface_compression: 1e8 strength_regions { " + box + "factor: 0.5 }", kStrong),
+  expect_refusal(with_fields("strength_regions { " + box + "factor: 2 }"), "shells[0].strength_regions",
+                 {"'glass' has not"});
+  expect_refusal(with_fields("layers: 5 surface_compression: 1e8 strength_regions { " + box + "factor: 0.5 }", kStrong),
                  "shells[0].surface_compression", {"crack by itself", "a larger factor"});
 }
 
@@ -120,7 +105,7 @@ TEST(StrengthMap, IsStretchedOverTheDomainLinearBetweenPixels) {
        {std::string("P2\n# made by hand\n2 2 200\n0 100\n200 100\n"), std::string("P5 2 2 200\n\x00\x64\xc8\x64", 15),
         std::string("P5 2 2 2000\n\x00\x00\x03\xe8\x07\xd0\x03\xe8", 20)}) {
     const MapFile map(content);
-    const auto m = built(scene(map.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0].model;
+    const auto m = built(with_fields(map.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0].model;
     for (int q = 0; q < m.tables.blocks(); ++q)
       for (int e = 0; e < m.tables.spans_u; ++e) {
         const Vec2 p = gauss_point(m.patch, m.tables, q, e).parameter / 0.5;
@@ -136,7 +121,7 @@ TEST(StrengthMap, OfAWrongShapeIsRefusedWithSizesThatFit) {
     const MapFile map(head);
     std::vector<std::string> list;
     if (!settings.empty()) list.push_back(settings);
-    expect_refusal(scene(map.field(), kStrong), "shells[0].strength_map.path", says, list);
+    expect_refusal(with_fields(map.field(), kStrong), "shells[0].strength_map.path", says, list);
   };
   refused("P5 1 1 255\n\x7f", {"has 1 x 1 pixels", "2 to 16384", "1024 x 1024 would do"}, "");
   refused("P5 20000 20000 255\n", {"has 20000 x 20000 pixels", "1024 x 1024 would do"}, "");
@@ -148,7 +133,7 @@ TEST(StrengthMap, OfAWrongShapeIsRefusedWithSizesThatFit) {
 TEST(StrengthMap, OfGarbageIsRefused) {
   const auto refused = [](const std::string& content, const std::string& says) {
     const MapFile map(content);
-    expect_refusal(scene(map.field(), kStrong), "shells[0].strength_map.path", {says});
+    expect_refusal(with_fields(map.field(), kStrong), "shells[0].strength_map.path", {says});
   };
   refused("", "is neither a PNG nor a PGM file");
   refused("\x89PNG\r\n", "convert map.jpg");
@@ -176,8 +161,8 @@ TEST(StrengthMap, OfAPngHasTheGreysOfThePgm) {
     const std::vector<int> greys{0, white / 2, white, white / 3};
     const MapFile png(png_of(2, 2, bits, 0, greys), "png");
     const MapFile pgm(fmt::format("P2 2 2 {}\n{} {} {} {}\n", white, greys[0], greys[1], greys[2], greys[3]));
-    const auto a = built(scene(png.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0].model;
-    const auto b = built(scene(pgm.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0].model;
+    const auto a = built(with_fields(png.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0].model;
+    const auto b = built(with_fields(pgm.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0].model;
     EXPECT_EQ(a.strength_factor, b.strength_factor) << bits;
   }
 }
@@ -185,7 +170,7 @@ TEST(StrengthMap, OfAPngHasTheGreysOfThePgm) {
 TEST(StrengthMap, OfAPngThatIsNotGreyOrDamagedIsRefused) {
   const auto refused = [](const std::string& content, const std::string& says) {
     const MapFile map(content, "png");
-    expect_refusal(scene(map.field(), kStrong), "shells[0].strength_map.path", {says, ".png'"});
+    expect_refusal(with_fields(map.field(), kStrong), "shells[0].strength_map.path", {says, ".png'"});
   };
   refused(png_of(2, 2, 8, PNG_COLOR_TYPE_PALETTE, {0, 1, 1, 0}), "has a palette, whose numbers are no greys");
   refused(png_of(2, 2, 8, PNG_COLOR_TYPE_RGB, std::vector<int>(12, 7)), "has colours");
@@ -201,40 +186,43 @@ TEST(StrengthMap, OfAPngThatIsNotGreyOrDamagedIsRefused) {
 }
 
 TEST(StrengthMap, IsRefusedWithoutAFileOrFactors) {
-  expect_refusal(scene("strength_map { low_factor: 0.5 }", kStrong), "shells[0].strength_map.path", {"is missing"});
-  expect_refusal(scene("strength_map { path: \"none.pgm\" low_factor: 0.5 }", kStrong), "shells[0].strength_map.path",
-                 {"cannot be read"});
-  expect_refusal(scene("strength_map { path: \"../../x.pgm\" low_factor: 0.5 }", kStrong),
-                 "shells[0].strength_map.path", {"outside the scene's folder"});
-  expect_refusal(scene("strength_map { path: \"a.pgm\" }", kStrong), "shells[0].strength_map.low_factor",
+  expect_refusal(with_fields("strength_map { low_factor: 0.5 }", kStrong), "shells[0].strength_map.path",
                  {"is missing"});
-  expect_refusal(scene("strength_map { path: \"a.pgm\" low_factor: 0 }", kStrong), "shells[0].strength_map.low_factor",
-                 {"must be positive"});
-  expect_refusal(scene("strength_map { path: \"a.pgm\" low_factor: 1 high_factor: -1 }", kStrong),
+  expect_refusal(with_fields("strength_map { path: \"none.pgm\" low_factor: 0.5 }", kStrong),
+                 "shells[0].strength_map.path", {"cannot be read"});
+  expect_refusal(with_fields("strength_map { path: \"../../x.pgm\" low_factor: 0.5 }", kStrong),
+                 "shells[0].strength_map.path", {"outside the scene's folder"});
+  expect_refusal(with_fields("strength_map { path: \"a.pgm\" }", kStrong), "shells[0].strength_map.low_factor",
+                 {"is missing"});
+  expect_refusal(with_fields("strength_map { path: \"a.pgm\" low_factor: 0 }", kStrong),
+                 "shells[0].strength_map.low_factor", {"must be positive"});
+  expect_refusal(with_fields("strength_map { path: \"a.pgm\" low_factor: 1 high_factor: -1 }", kStrong),
                  "shells[0].strength_map.high_factor", {"must be positive"});
-  expect_refusal(scene("strength_map { path: \"a.pgm\" low_factor: 1 }"), "shells[0].strength_map",
+  expect_refusal(with_fields("strength_map { path: \"a.pgm\" low_factor: 1 }"), "shells[0].strength_map",
                  {"'glass' has not"});
 }
 
 TEST(Healing, IsForDamageOnly) {
   const std::string tough = "strength: 6e7 fracture_energy: 3000 ";
   for (const char* mode : {"TIPS", "CUTS", "MODE_UNSPECIFIED"})
-    expect_refusal(scene("", tough, fmt::format("fracture {{ mode: {} healing: false }}\n", mode)), "fracture.healing",
-                   {"only mode DAMAGE", "leave it out"});
-  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE healing: false }\n")).shells[0].fracture.damage.heals);
-  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].fracture.damage.heals);
-  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"})
+    expect_refusal(with_fields("", tough, fmt::format("fracture {{ mode: {} healing: false }}\n", mode)),
+                   "fracture.healing", {"only mode DAMAGE", "leave it out"});
+  EXPECT_FALSE(
+      built(with_fields("", tough, "fracture { mode: DAMAGE healing: false }\n")).shells[0].fracture.damage.heals);
+  EXPECT_TRUE(built(with_fields("", tough, "fracture { mode: DAMAGE }\n")).shells[0].fracture.damage.heals);
+  EXPECT_FALSE(built(with_fields("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"})
                    .shells[0]
                    .fracture.damage.heals);
-  EXPECT_FALSE(
-      built(scene("", tough, "fracture { mode: DAMAGE extract_cracks: false }\n")).shells[0].fracture.damage.extract);
-  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].fracture.damage.extract);
-  expect_refusal(scene("", tough, "fracture { mode: TIPS extract_cracks: false }\n"), "fracture.extract_cracks",
+  EXPECT_FALSE(built(with_fields("", tough, "fracture { mode: DAMAGE extract_cracks: false }\n"))
+                   .shells[0]
+                   .fracture.damage.extract);
+  EXPECT_TRUE(built(with_fields("", tough, "fracture { mode: DAMAGE }\n")).shells[0].fracture.damage.extract);
+  expect_refusal(with_fields("", tough, "fracture { mode: TIPS extract_cracks: false }\n"), "fracture.extract_cracks",
                  {"is for mode DAMAGE"});
 }
 
 TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatWork) {
-  const std::string text = scene("", "strength: 6e7 fracture_energy: 2000 ", "fracture { mode: DAMAGE }\n");
+  const std::string text = with_fields("", "strength: 6e7 fracture_energy: 2000 ", "fracture { mode: DAMAGE }\n");
   // sqrt(3) 0.5 / 16 = 0.0541 m, 2 E G_f / strength^2 = 0.0778 m: resolved; with 1000 J/m^2 it is not
   EXPECT_EQ(refusal(text).kind, "accepted");
   const std::string set = "materials[glass].fracture_energy=1000";
@@ -252,7 +240,7 @@ TEST(StrengthMap, IsPartOfTheSceneHash) {
   const auto hash = [](const std::string& pixels) {
     const MapFile map("P5 2 2 255\n" + pixels);
     const std::string path = own_file("strength_scene.textproto");
-    std::ofstream(path) << scene(map.field(), kStrong);
+    std::ofstream(path) << with_fields(map.field(), kStrong);
     const std::string found = sunder::scene::load(path, {}).hash;
     std::remove(path.c_str());
     return found;
@@ -262,6 +250,6 @@ TEST(StrengthMap, IsPartOfTheSceneHash) {
 }
 
 TEST(Enumerators, UnknownNumbersAreRefused) {
-  expect_refusal(scene("", "", "fracture { mode: 7 }\n"), "fracture.mode", {"is 7", "TIPS", "DAMAGE"});
-  expect_refusal(scene("supports { edges: 9 kind: CLAMPED }"), "shells[0].supports[0].edges[0]", {"is 9", "ALL"});
+  expect_refusal(with_fields("", "", "fracture { mode: 7 }\n"), "fracture.mode", {"is 7", "TIPS", "DAMAGE"});
+  expect_refusal(with_fields("supports { edges: 9 kind: CLAMPED }"), "shells[0].supports[0].edges[0]", {"is 9", "ALL"});
 }

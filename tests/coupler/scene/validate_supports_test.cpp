@@ -7,27 +7,6 @@ namespace {
 
 using namespace small_scene;
 
-const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
-
-// The small scene with additional fields of the shell, the material and the scene.
-std::string scene(const std::string& shell, const std::string& more = "", const std::string& material = kStrong) {
-  std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
-  text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
-  return text + more;
-}
-
-const std::string kWing =
-    "shells { name: \"wing\" material: \"glass\" thickness_m: 0.004 "
-    "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 pose { position { x: 0.5 } } } }\n";
-
-sunder::shell::RunSetup built(const std::string& text) {
-  const std::string path = own_file("supports_scene.textproto");
-  std::ofstream(path) << text;
-  const auto scene = sunder::scene::load(path, {});
-  std::remove(path.c_str());
-  return sunder::shell::build(scene);
-}
-
 std::string kept_until(const char* time, const char* edge = "U_MIN") {
   return fmt::format("supports {{ edges: {} kind: CLAMPED until_s: {} }}", edge, time);
 }
@@ -35,7 +14,7 @@ std::string kept_until(const char* time, const char* edge = "U_MIN") {
 }  // namespace
 
 TEST(SupportsUntilATime, AreBuilt) {
-  const auto setup = built(scene(kept_until("0.5") + kept_until("0.25", "V_MAX") + kept_until("0.5", "U_MAX")));
+  const auto setup = built(strong(kept_until("0.5") + kept_until("0.25", "V_MAX") + kept_until("0.5", "U_MAX")));
   const auto& releases = setup.shells[0].model.releases;
   ASSERT_EQ(releases.size(), 2u);
   EXPECT_EQ(releases[0].from, 0.25);
@@ -45,23 +24,23 @@ TEST(SupportsUntilATime, AreBuilt) {
 }
 
 TEST(SupportsUntilATime, AreRefusedWhereTheTimeIsWrong) {
-  expect_refusal(scene(kept_until("0")), "shells[0].supports[0].until_s", {"must be positive"});
-  expect_refusal(scene(kept_until("nan")), "shells[0].supports[0].until_s", {"must be positive and finite"});
-  expect_refusal(scene(kept_until("1")), "shells[0].supports[0].until_s", {"the run ends at 1 s", "leave it out"});
-  expect_refusal(scene(kept_until("0.5"), "fracture { latest_freeze_s: 0.4 }"), "shells[0].supports[0].until_s",
+  expect_refusal(strong(kept_until("0")), "shells[0].supports[0].until_s", {"must be positive"});
+  expect_refusal(strong(kept_until("nan")), "shells[0].supports[0].until_s", {"must be positive and finite"});
+  expect_refusal(strong(kept_until("1")), "shells[0].supports[0].until_s", {"the run ends at 1 s", "leave it out"});
+  expect_refusal(strong(kept_until("0.5"), "fracture { latest_freeze_s: 0.4 }"), "shells[0].supports[0].until_s",
                  {"frozen at 0.4 s", "a later fracture.latest_freeze_s"});
-  EXPECT_EQ(refusal(scene(kept_until("0.5"), "fracture { latest_freeze_s: 0.6 }")).kind, "accepted");
+  EXPECT_EQ(refusal(strong(kept_until("0.5"), "fracture { latest_freeze_s: 0.6 }")).kind, "accepted");
   // windows last 1e-4 s, and a support is released at the one that begins nearest
-  expect_refusal(scene(kept_until("4e-5")), "shells[0].supports[0].until_s",
+  expect_refusal(strong(kept_until("4e-5")), "shells[0].supports[0].until_s",
                  {"it would never hold", "give 5e-05 s or more"});
-  expect_refusal(scene(kept_until("0.99996")), "shells[0].supports[0].until_s",
+  expect_refusal(strong(kept_until("0.99996")), "shells[0].supports[0].until_s",
                  {"it would never be released", "leave it out"});
-  EXPECT_EQ(refusal(scene(kept_until("5e-5"))).kind, "accepted");
-  EXPECT_EQ(refusal(scene(kept_until("0.9999"))).kind, "accepted");
+  EXPECT_EQ(refusal(strong(kept_until("5e-5"))).kind, "accepted");
+  EXPECT_EQ(refusal(strong(kept_until("0.9999"))).kind, "accepted");
 }
 
 TEST(SupportsUntilATime, AreRefusedWhereNothingMoves) {
-  std::string text = scene(kept_until("0.5") + " equilibrium {}");
+  std::string text = strong(kept_until("0.5") + " equilibrium {}");
   text.erase(text.find("bodies {"));
   for (const char* moving : {"end_time_s: 1\n", "window_s: 1e-4\n"}) text.erase(text.find(moving), strlen(moving));
   expect_refusal(text, "shells[0].supports[0].until_s", {"in this scene nothing moves", "leave it out"});
@@ -69,16 +48,16 @@ TEST(SupportsUntilATime, AreRefusedWhereNothingMoves) {
 
 TEST(SupportsUntilATime, AreRefusedOnASeam) {
   const auto with = [](const char* edge) {
-    return scene(fmt::format("supports {{ edges: {} kind: SIMPLY_SUPPORTED until_s: 0.5 }}", edge),
-                 kWing + "seams {}\n");
+    return strong(fmt::format("supports {{ edges: {} kind: SIMPLY_SUPPORTED until_s: 0.5 }}", edge),
+                  kWing + "seams {}\n");
   };
   expect_refusal(with("V_MIN"), "shells[0].supports",
                  {"are released at 0.5 s", "the seam between", "hold a part off the seam"});
   EXPECT_EQ(refusal(with("U_MIN")).kind, "accepted");
-  EXPECT_EQ(
-      refusal(scene("supports { regions { low {} high { u: 0.3 } } kind: CLAMPED until_s: 0.5 }", kWing + "seams {}\n"))
-          .kind,
-      "accepted");
+  EXPECT_EQ(refusal(strong("supports { regions { low {} high { u: 0.3 } } kind: CLAMPED until_s: 0.5 }",
+                           kWing + "seams {}\n"))
+                .kind,
+            "accepted");
 }
 
 TEST(SupportsUntilATime, MayBeReleasedBesideATrimmedSeamAndOnIt) {

@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing;  // NOLINT: the helpers of this folder
 
-constexpr double kWindow = Trial::kWindow;
+constexpr double kJointWindow = Trial::kWindow;
 using Kind = Joint::Kind;
 constexpr Kind kKinds[] = {Kind::kBall, Kind::kHinge, Kind::kSlider, Kind::kFixed};
 
@@ -18,13 +18,15 @@ Joint joint(std::uint32_t id, Kind kind, BodyId first, BodyId second, const Vec3
   return {id, "joint", kind, first, second, {on_first, axes}, {on_second, axes}};
 }
 
-Vec3 at(const RigidBody& body, const Vec3& point) { return body.motion.position + body.motion.orientation * point; }
+Vec3 on_body(const RigidBody& body, const Vec3& point) {
+  return body.motion.position + body.motion.orientation * point;
+}
 
 /// Largest strain of a joint [m or rad].
 double strain(const Joint& joint, const RigidBody& a, const RigidBody& b) {
   const Quat qa = a.motion.orientation * joint.first_frame.orientation,
              qb = b.motion.orientation * joint.second_frame.orientation;
-  Vec3 apart = qa.conjugate() * (at(b, joint.second_frame.position) - at(a, joint.first_frame.position));
+  Vec3 apart = qa.conjugate() * (on_body(b, joint.second_frame.position) - on_body(a, joint.first_frame.position));
   Vec3 turn = rotation_vector(qa.conjugate() * qb);
   if (joint.kind == Kind::kSlider) apart.z() = 0.0;
   if (joint.kind == Kind::kBall) turn.setZero();
@@ -73,7 +75,7 @@ struct Chain {
 };
 
 TEST(BulletJoints, EnergyOfPendulumsAndChainsDoesNotDrift) {
-  for (double window : {kWindow, 1e-3})
+  for (double window : {kJointWindow, 1e-3})
     for (const auto& [kind, links] :
          {std::pair(Kind::kHinge, 1), {Kind::kBall, 1}, {Kind::kHinge, 5}, {Kind::kBall, 5}}) {
       Chain chain(kind, links, window);
@@ -114,7 +116,7 @@ TEST(BulletJoints, ASmallPendulumKeepsItsTime) {
 
 TEST(BulletJoints, FreePairsKeepMomentumAndEnergy) {
   for (const Kind kind : kKinds) {
-    Trial trial(Scene{}, kWindow, 0.0);
+    Trial trial(Scene{}, kJointWindow, 0.0);
     RigidBody a = box(1, Vec3(0.05, 0.02, 0.01), 0.3), b = box(2, Vec3(0.03, 0.03, 0.01), 0.1);
     b.motion.position = Vec3(0.08, 0.01, 0);
     a.motion.velocity = Vec3(0.3, 0.2, -0.5);
@@ -152,7 +154,7 @@ TEST(BulletJoints, ASliderFallsAlongItsAxisOnly) {
   const double speed = axis.dot(trial.caller.body(1).motion.velocity);
   trial.windows(1000);
   const BodyMotion& end = trial.caller.body(1).motion;
-  const double expected = speed - 1000 * kWindow * kGravity * std::cos(tilt);
+  const double expected = speed - 1000 * kJointWindow * kGravity * std::cos(tilt);
   EXPECT_LT((end.velocity - expected * axis).norm(), 1e-9);
   EXPECT_LT(end.position.cross(axis).norm(), 1e-11);
   EXPECT_LT(rotation_vector(end.orientation).norm(), 1e-11);
@@ -160,7 +162,7 @@ TEST(BulletJoints, ASliderFallsAlongItsAxisOnly) {
 
 TEST(BulletJoints, LinkedBodiesDoNotCollide) {
   for (const bool at_once : {true, false}) {
-    Trial trial(Scene{}, kWindow, 0.0);
+    Trial trial(Scene{}, kJointWindow, 0.0);
     RigidBody a = box(1, Vec3::Constant(0.02), 1.0), b = a;
     b.id = 2;
     a.motion.position.x() = -0.03, b.motion.position.x() = 0.03;
@@ -171,7 +173,7 @@ TEST(BulletJoints, LinkedBodiesDoNotCollide) {
     if (at_once) trial.engine.add_joint(slider);
     trial.windows(75);  // 1.25 mm before they would meet: contacts exist already
     if (!at_once) trial.engine.add_joint(slider);
-    EXPECT_TRUE(trial.engine.rows(kWindow, trial.motions(), {1}).empty());
+    EXPECT_TRUE(trial.engine.rows(kJointWindow, trial.motions(), {1}).empty());
     trial.windows(400);
     EXPECT_NEAR(trial.caller.body(1).motion.velocity.x(), 0.5, 1e-12);  // through one another
     EXPECT_GT(trial.caller.body(1).motion.position.x(), trial.caller.body(2).motion.position.x());
@@ -236,7 +238,7 @@ TEST(BulletJoints, BodiesAtRestStayAtRestBesideAChainThatHits) {
 
 TEST(BulletJoints, StrainIsReducedWithoutEnergy) {
   for (const Kind kind : kKinds) {
-    Trial trial(Scene{}, kWindow, 0.0);
+    Trial trial(Scene{}, kJointWindow, 0.0);
     RigidBody a = box(1, Vec3(0.05, 0.02, 0.01), 0.3), b = box(2, Vec3(0.03, 0.03, 0.01), 0.1);
     b.motion.position = Vec3(0.081, 0.0005, 0.0);
     b.motion.orientation = rotation_from_vector(Vec3(0.01, 0.02, 0.0));
@@ -257,14 +259,14 @@ TEST(BulletJoints, StrainIsReducedWithoutEnergy) {
 }
 
 TEST(BulletJoints, JointsOfSolvedBodiesAreLeftOut) {
-  Chain chain(Kind::kBall, 3, kWindow);
+  Chain chain(Kind::kBall, 3, kJointWindow);
   chain.trial.windows(50);
   std::vector<PredictedState> down = chain.trial.motions();
   for (PredictedState& m : down) {
-    m.motion.velocity.z() -= kGravity * kWindow;
-    m.motion.position += kWindow * m.motion.velocity;
+    m.motion.velocity.z() -= kGravity * kJointWindow;
+    m.motion.position += kJointWindow * m.motion.velocity;
   }
-  chain.trial.engine.advance(kWindow, down, {2});
+  chain.trial.engine.advance(kJointWindow, down, {2});
   const auto states = chain.trial.engine.states();
   EXPECT_EQ(bits(states[1].motion), bits(down[1].motion));
   EXPECT_EQ(bits(states[2].motion), bits(down[2].motion));  // held by 2 only
@@ -272,7 +274,7 @@ TEST(BulletJoints, JointsOfSolvedBodiesAreLeftOut) {
 }
 
 TEST(BulletJoints, AJointAtRestLeavesPredictedStatesToTheBit) {
-  Trial trial(Scene{}, kWindow, 0.0);
+  Trial trial(Scene{}, kJointWindow, 0.0);
   RigidBody a = box(1, Vec3::Constant(0.02), 1.0), b = a;
   b.id = 2;
   b.motion.position.x() = 0.05;

@@ -13,7 +13,7 @@ namespace {
 
 using namespace testing;  // NOLINT: the helpers of this folder
 
-Joint joint(Joint::Kind kind, BodyId first, BodyId second, const Vec3& first_at, const Vec3& second_at) {
+Joint link(Joint::Kind kind, BodyId first, BodyId second, const Vec3& first_at, const Vec3& second_at) {
   Joint j;
   j.id = 1, j.name = "link", j.kind = kind, j.first = first, j.second = second;
   j.first_frame.position = first_at, j.second_frame.position = second_at;
@@ -36,7 +36,7 @@ TEST(OdeJoints, PendulumKeepsItsEnergyOverTenThousandWindows) {
     Caller caller(engine, 1e-3, kGravity);
     RigidBody rod = box(1, Vec3(0.1, 0.01, 0.02), 0.5);
     caller.add(rod);  // held at its left end, released horizontally
-    engine.add_joint(along_y(joint(kind, 1, 0, Vec3(-0.1, 0, 0), Vec3(-0.1, 0, 0))));
+    engine.add_joint(along_y(link(kind, 1, 0, Vec3(-0.1, 0, 0), Vec3(-0.1, 0, 0))));
     const double swing = rod.mass * kGravity * 0.1;  // [J] from horizontal to the bottom
     const double before = caller.energy();
     double low = 1e300, high = -1e300, strain = 0.0, deepest = 0.0;
@@ -62,7 +62,7 @@ TEST(OdeJoints, PendulumSwingsWithItsPeriod) {
   bob.motion.position = Vec3(0.5 * std::sin(tilt), 0, 1.0 - 0.5 * std::cos(tilt));
   bob.motion.orientation = rotation_from_vector(Vec3(0, -tilt, 0));
   caller.add(bob);
-  engine.add_joint(along_y(joint(Joint::Kind::kHinge, 1, 0, Vec3(0, 0, 0.5), Vec3(0, 0, 1.0))));
+  engine.add_joint(along_y(link(Joint::Kind::kHinge, 1, 0, Vec3(0, 0, 0.5), Vec3(0, 0, 1.0))));
   std::vector<double> crossings;
   for (int i = 0; i < 10000; ++i) {
     const double x = caller.body(1).motion.position.x();
@@ -83,8 +83,8 @@ TEST(OdeJoints, DoublePendulumKeepsItsEnergy) {
   lower.motion.position = Vec3(0.2, 0, 0);
   caller.add(upper);
   caller.add(lower);
-  engine.add_joint(along_y(joint(Joint::Kind::kHinge, 1, 0, Vec3(-0.1, 0, 0), Vec3(-0.1, 0, 0))));
-  Joint knee = joint(Joint::Kind::kBall, 1, 2, Vec3(0.1, 0, 0), Vec3(-0.1, 0, 0));
+  engine.add_joint(along_y(link(Joint::Kind::kHinge, 1, 0, Vec3(-0.1, 0, 0), Vec3(-0.1, 0, 0))));
+  Joint knee = link(Joint::Kind::kBall, 1, 2, Vec3(0.1, 0, 0), Vec3(-0.1, 0, 0));
   knee.id = 2;
   engine.add_joint(knee);
   const double before = caller.energy(), swing = kGravity * (0.5 * 0.1 + 0.3 * 0.3);
@@ -111,7 +111,7 @@ struct Linked {
     b.motion.angular_momentum = b.apply_inertia(Vec3(-3, 24, 2));
     caller.add(a);
     caller.add(b);
-    engine.add_joint(along_y(joint(kind, 1, 2, Vec3(0.05, 0, 0), Vec3(-0.05, 0, 0))));
+    engine.add_joint(along_y(link(kind, 1, 2, Vec3(0.05, 0, 0), Vec3(-0.05, 0, 0))));
   }
   Vec3 momentum() const { return 0.4 * caller.body(1).motion.velocity + 0.7 * caller.body(2).motion.velocity; }
   Vec3 spin_momentum() const {
@@ -177,7 +177,7 @@ TEST(OdeJoints, AStaticBodyOnEitherSideHoldsAsTheWorldDoes) {
     post.motion.position = Vec3(-0.3, 0.1, 0.2);
     post.motion.orientation = rotation_from_vector(Vec3(0.3, -0.2, 1.0));
     caller.add(post);
-    Joint j = along_y(joint(Joint::Kind::kHinge, 1, 0, Vec3(-0.1, 0, 0), Vec3(-0.1, 0, 0)));
+    Joint j = along_y(link(Joint::Kind::kHinge, 1, 0, Vec3(-0.1, 0, 0), Vec3(-0.1, 0, 0)));
     if (side > 0) {
       j.second = 2;
       const Quat back = post.motion.orientation.conjugate();
@@ -201,7 +201,7 @@ TEST(OdeJoints, JointsAndContactsOfSolvedBodiesAreLeftOut) {
   engine.add(ball);
   engine.add(other);
   engine.add(half_space(3));
-  engine.add_joint(joint(Joint::Kind::kBall, 1, 2, Vec3(0.05, 0, 0), Vec3(-0.05, 0, 0)));
+  engine.add_joint(link(Joint::Kind::kBall, 1, 2, Vec3(0.05, 0, 0), Vec3(-0.05, 0, 0)));
   BodyMotion down = ball.motion, aside = other.motion;
   down.position.z() -= 0.005;
   down.velocity.z() = -5.0;

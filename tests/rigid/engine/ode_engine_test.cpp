@@ -12,13 +12,13 @@ namespace {
 
 using namespace testing;  // NOLINT: the helpers of this folder
 
-constexpr double kWindow = 0.25e-3;  // [s]
+constexpr double kOdeWindow = 0.25e-3;  // [s]
 
 /// Distance that a box slides down a slope of this angle in half a second [m].
 double slid(double degrees, double azimuth, double friction, bool on_box) {
   OdeEngine engine;
   engine.set_contact_laws({{0, 1, friction, 0.0}});
-  Caller caller(engine, kWindow, kGravity);
+  Caller caller(engine, kOdeWindow, kGravity);
   const Vec3 axis(-std::sin(azimuth), std::cos(azimuth), 0.0);
   const Quat tilt = rotation_from_vector(degrees * EIGEN_PI / 180.0 * axis);
   RigidBody slider = box(1, Vec3(0.05, 0.05, 0.01), 1.0);

@@ -20,7 +20,7 @@ Patch sheet(double x0, double x1, double y0, double y1, int nx, int ny) {
   return plate(x1 - x0, y1 - y0, nx, ny, Vec3(0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0), Quat::Identity(), 2);
 }
 
-std::vector<Vec2> ring(const Vec2& centre, double radius, int corners) {
+std::vector<Vec2> closed_ring(const Vec2& centre, double radius, int corners) {
   std::vector<Vec2> out;
   for (int k = 0; k < corners; ++k) {
     const double at = 2.0 * std::numbers::pi * k / corners;
@@ -86,8 +86,8 @@ TEST(TrimSeams, BordersThatRunTogetherAreOneSeam) {
 
 TEST(TrimSeams, ADiscFillsAHole) {
   Two two{sheet(0, 1, 0, 1, 10, 10), sheet(0.2, 0.8, 0.2, 0.8, 8, 8), {}, {}};
-  two.first_trims = loops(two.first, {{ring({0.5, 0.5}, 0.25, 40), true, {}}});
-  two.second_trims = loops(two.second, {{ring({0.3, 0.3}, 0.25, 40), false, {}}});
+  two.first_trims = loops(two.first, {{closed_ring({0.5, 0.5}, 0.25, 40), true, {}}});
+  two.second_trims = loops(two.second, {{closed_ring({0.3, 0.3}, 0.25, 40), false, {}}});
   const std::vector<Seam> seams = two.seams();
   ASSERT_EQ(seams.size(), 1u);
   EXPECT_TRUE(seams[0].closed);

@@ -63,7 +63,7 @@ std::vector<TopoDS_Face> faces_of(const TopoDS_Shape& shape) {
   return out;
 }
 
-TopoDS_Face polygon(const std::vector<gp_Pnt>& points) {
+TopoDS_Face flat_face(const std::vector<gp_Pnt>& points) {
   BRepBuilderAPI_MakePolygon out;
   for (const gp_Pnt& p : points) out.Add(p);
   out.Close();
@@ -115,7 +115,7 @@ TEST_F(CadFace, AnEllipseTurnedOnItsPlane) {
 }
 
 TEST_F(CadFace, ASlantedPolygonKeepsItsCorners) {
-  const TopoDS_Face face = polygon({{0, 0, 0}, {10, 1, 0}, {12, 9.9, 0}, {5, 7, 0}, {-1, 10, 0}});
+  const TopoDS_Face face = flat_face({{0, 0, 0}, {10, 1, 0}, {12, 9.9, 0}, {5, 7, 0}, {-1, 10, 0}});
   expect_face(face, "elements_u: 20 elements_v: 20", 1e-9);
   const ShellModel m = shell("path: 'a.stp' elements_u: 20 elements_v: 20");
   for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(0.01, 0.001, 0), Vec3(0.005, 0.007, 0)}) {
@@ -224,8 +224,8 @@ TEST_F(CadFace, AFreeFormSheetWithASplineAsItsBorder) {
 // OpenCASCADE divides such a face where its border meets itself.
 TEST_F(CadFace, ABorderThatCrossesOrTouchesItselfIsRefused) {
   const std::vector<std::pair<TopoDS_Face, const char*>> faces{
-      {polygon({{0, 0, 0}, {30, 20, 0}, {30, 0, 0}, {0, 10, 0}}), "(0.01, 0.006667, "},
-      {polygon({{0, 0, 0}, {10, 5, 0}, {20, 0, 0}, {20, 10, 0}, {10, 5, 0}, {0, 10, 0}}), "(0.01, 0.005, "}};
+      {flat_face({{0, 0, 0}, {30, 20, 0}, {30, 0, 0}, {0, 10, 0}}), "(0.01, 0.006667, "},
+      {flat_face({{0, 0, 0}, {10, 5, 0}, {20, 0, 0}, {20, 10, 0}, {10, 5, 0}, {0, 10, 0}}), "(0.01, 0.005, "}};
   for (const auto& [face, at] : faces) {
     write_step(face, file("a.stp")), write_iges(face, file("a.igs"));
     for (const char* name : {"a.stp", "a.igs"})
@@ -282,8 +282,8 @@ TEST_F(CadFace, ABorderWithAGapIsRefusedWithItsPlace) {
 
 TEST_F(CadFace, SliversAndFacesWithoutAreaAreRefused) {
   for (const TopoDS_Face& face :
-       {BRepBuilderAPI_MakeFace(gp_Pln(), 0, 10, 0, 1e-5).Face(), polygon({{0, 0, 0}, {10, 0, 0}, {5, 1e-4, 0}}),
-        polygon({{0, 0, 0}, {10, 0, 0}, {5, 0, 0}})}) {
+       {BRepBuilderAPI_MakeFace(gp_Pln(), 0, 10, 0, 1e-5).Face(), flat_face({{0, 0, 0}, {10, 0, 0}, {5, 1e-4, 0}}),
+        flat_face({{0, 0, 0}, {10, 0, 0}, {5, 0, 0}})}) {
     write_step(face, file("a.stp")), write_iges(face, file("a.igs"));
     for (const char* name : {"a.stp", "a.igs"}) {
       const std::string told = refusal(fmt::format("path: '{}' element_m: 0.001", name));

@@ -32,7 +32,7 @@ std::string refusal(const std::string& path, const std::string& scene_hash) {
   return "";
 }
 
-bool says(const std::string& text, const std::string& what) { return text.find(what) != std::string::npos; }
+bool has_text(const std::string& text, const std::string& what) { return text.find(what) != std::string::npos; }
 
 }  // namespace
 
@@ -54,16 +54,16 @@ TEST(CheckpointFile, ComesBackToTheByte) {
 TEST(CheckpointFile, IsRefusedWhereItIsMissingDamagedOrOfAnotherScene) {
   const TemporaryFolder folder;
   const std::string path = checkpoint_path(folder.path);
-  EXPECT_TRUE(says(refusal(path, "scene"), "there is no checkpoint"));
+  EXPECT_TRUE(has_text(refusal(path, "scene"), "there is no checkpoint"));
   write_checkpoint(path, "scene", "the state of a run");
   const std::string whole = contents(path);
-  EXPECT_TRUE(says(refusal(path, "another"), "is of another scene"));
+  EXPECT_TRUE(has_text(refusal(path, "another"), "is of another scene"));
   std::string other_sources = whole;
   const std::size_t at = other_sources.find(source_hash());
   ASSERT_NE(at, std::string::npos);
   other_sources[at] = other_sources[at] == '0' ? '1' : '0';
   std::ofstream(path, std::ios::binary) << other_sources;
-  EXPECT_TRUE(says(refusal(path, "scene"), "other sources or another compiler wrote it"));
+  EXPECT_TRUE(has_text(refusal(path, "scene"), "other sources or another compiler wrote it"));
   for (std::size_t i = 0; i < whole.size(); i += 7) {  // in the head, the bytes and the sum
     std::string damaged = whole;
     damaged[i] = static_cast<char>(damaged[i] ^ 4);
@@ -75,5 +75,5 @@ TEST(CheckpointFile, IsRefusedWhereItIsMissingDamagedOrOfAnotherScene) {
     EXPECT_NE(refusal(path, "scene"), "") << length;
   }
   std::ofstream(path, std::ios::binary) << whole << "x";
-  EXPECT_TRUE(says(refusal(path, "scene"), "is damaged"));
+  EXPECT_TRUE(has_text(refusal(path, "scene"), "is damaged"));
 }

@@ -11,7 +11,7 @@ using namespace sunder::shell;
 
 namespace {
 
-ShellSetup sheet(int elements) {
+ShellSetup felt_sheet(int elements) {
   ShellSetup s{brittle_sheet(elements)};
   s.hertz = {0.0};
   return s;
@@ -44,21 +44,21 @@ TEST(HalfSides, AreThoseOfTheShapeInOrder) {
 }
 
 TEST(FeltLate, TellsABallOfWhichMoreThanHalfAThicknessFitsBetweenPoints) {
-  const ShellSetup shell = sheet(20);
+  const ShellSetup shell = felt_sheet(20);
   const double d = farthest_from_samples(shell.model), half = 0.5 * shell.model.thickness;
   const double just = (d * d + half * half) / (2.0 * half);  // r - sqrt(r^2 - d^2) = half
   EXPECT_EQ(felt_late({shell}, {body(SphereShape{1.01 * just})}), "");
   const std::string told = felt_late({shell}, {body(SphereShape{0.99 * just})});
   EXPECT_NE(told.find("ball 'stone' may sink 0.002 m into shell 'p' before it is felt"), std::string::npos) << told;
   // the remedies
-  EXPECT_EQ(felt_late({sheet(40)}, {body(SphereShape{0.99 * just})}), "");
+  EXPECT_EQ(felt_late({felt_sheet(40)}, {body(SphereShape{0.99 * just})}), "");
   ShellSetup hertz = shell;
   hertz.hertz = {1e9};
   EXPECT_EQ(felt_late({hertz}, {body(SphereShape{0.5 * just})}), "");
 }
 
 TEST(FeltLate, TellsSharpBodiesThatAreSmallAgainstTheDistance) {
-  const ShellSetup shell = sheet(20);
+  const ShellSetup shell = felt_sheet(20);
   const double d = farthest_from_samples(shell.model);
   EXPECT_NE(felt_late({shell}, {body(BoxShape{Vec3(1, 1, 1.9 * d)})}).find("an edge of 'stone' may sink"),
             std::string::npos);

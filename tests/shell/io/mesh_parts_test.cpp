@@ -14,14 +14,14 @@ namespace {
 
 class MeshParts : public MeshScene {};
 
-Triangles sheet() {
+Triangles lattice_sheet() {
   return lattice(12, 10, false, [](double u, double v) { return Vec3(u, 0.8 * v, 0.0); });
 }
 
 const char* kSquare = "OFF\n4 1 0\n0 0 0\n2 0 0\n2 1 0\n0 1 0\n4 0 1 2 3\n";
 
 TEST_F(MeshParts, APlateIsOneShellWithTheNameOfTheScene) {
-  write("a.obj", sheet());
+  write("a.obj", lattice_sheet());
   const RunSetup r = setup("path: 'a.obj' element_m: 0.1", "supports { edges: U_MIN kind: CLAMPED }");
   ASSERT_EQ(r.shells.size(), 1u);
   EXPECT_EQ(r.shells[0].model.name, "pane");
@@ -86,8 +86,8 @@ TEST_F(MeshParts, SidesOfABoxAreStitchedAlongWholeEdges) {
 }
 
 TEST_F(MeshParts, ComponentsAreShellsOfTheirOwn) {
-  Triangles t = sheet();
-  const Triangles other = sheet();
+  Triangles t = lattice_sheet();
+  const Triangles other = lattice_sheet();
   for (const FileTriangle& f : other.faces)
     t.add(f.corners[0] + static_cast<int>(other.points.size()), f.corners[1] + static_cast<int>(other.points.size()),
           f.corners[2] + static_cast<int>(other.points.size()));
@@ -281,7 +281,7 @@ TEST_F(MeshParts, PaintThatIsWrongIsRefused) {
   expect_part(told("{ channel: RED low_factor: 0.5 }"), "point 1 of 'a.obj', counted from 1, has the colour (0, 2, 0)");
   write("a.obj", painted(""));
   expect_part(told("{ channel: RED low_factor: 0.5 }"), "point 1 of 'a.obj', counted from 1, has no colour");
-  write("a.obj", sheet());
+  write("a.obj", lattice_sheet());
   expect_part(told("{ channel: RED low_factor: 0.5 }"), "points of 'a.obj' have no colours; export a PLY or OBJ file");
 }
 

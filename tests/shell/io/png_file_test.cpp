@@ -58,7 +58,7 @@ std::string written(const TemporaryFolder& folder, int kind, int bits, int inter
 
 const auto kAny = [](double, double) {};
 
-std::string refusal(const std::string& path) {
+std::string png_refusal(const std::string& path) {
   try {
     read_png(path, kAny);
   } catch (const Error& e) {
@@ -88,14 +88,14 @@ TEST(PngFile, NumbersAreAsTheyWereWritten) {
 
 TEST(PngFile, WhatIsNoGreyImageIsRefusedWithARemedy) {
   const TemporaryFolder folder;
-  EXPECT_NE(refusal(written(folder, PNG_COLOR_TYPE_PALETTE, 8)).find("has a palette"), std::string::npos);
-  EXPECT_NE(refusal(written(folder, PNG_COLOR_TYPE_RGB, 8)).find("has colours"), std::string::npos);
-  const std::string clear = refusal(written(folder, PNG_COLOR_TYPE_GRAY_ALPHA, 8));
+  EXPECT_NE(png_refusal(written(folder, PNG_COLOR_TYPE_PALETTE, 8)).find("has a palette"), std::string::npos);
+  EXPECT_NE(png_refusal(written(folder, PNG_COLOR_TYPE_RGB, 8)).find("has colours"), std::string::npos);
+  const std::string clear = png_refusal(written(folder, PNG_COLOR_TYPE_GRAY_ALPHA, 8));
   EXPECT_NE(clear.find("is transparent"), std::string::npos);
   EXPECT_NE(clear.find("save it as grey"), std::string::npos);
-  EXPECT_NE(refusal(written(folder, PNG_COLOR_TYPE_GRAY, 8, PNG_INTERLACE_NONE, true)).find("is transparent"),
+  EXPECT_NE(png_refusal(written(folder, PNG_COLOR_TYPE_GRAY, 8, PNG_INTERLACE_NONE, true)).find("is transparent"),
             std::string::npos);
-  EXPECT_NE(refusal(folder.path + "/absent.png").find("cannot be opened"), std::string::npos);
+  EXPECT_NE(png_refusal(folder.path + "/absent.png").find("cannot be opened"), std::string::npos);
 }
 
 TEST(PngFile, ADamagedFileIsRefusedWhereverItEnds) {
@@ -106,7 +106,7 @@ TEST(PngFile, ADamagedFileIsRefusedWhereverItEnds) {
   for (std::size_t size = 8; size + 12 < whole.size(); ++size) {  // without its end alone the pixels are there
     std::ofstream(path, std::ios::binary | std::ios::trunc) << whole.substr(0, size);
     EXPECT_TRUE(is_png(path));
-    EXPECT_NE(refusal(path).find("is damaged"), std::string::npos) << size << " of " << whole.size() << " bytes";
+    EXPECT_NE(png_refusal(path).find("is damaged"), std::string::npos) << size << " of " << whole.size() << " bytes";
   }
   std::ofstream(path, std::ios::binary | std::ios::trunc) << whole.substr(0, 7);
   EXPECT_FALSE(is_png(path));

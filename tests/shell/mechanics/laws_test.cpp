@@ -23,7 +23,7 @@ struct TypesOf<List<Laws...>> {
   using Types = testing::Types<Laws...>;
 };
 
-constexpr double kYoung = 1e9, kPoisson = 0.3, kThickness = 0.02;
+constexpr double kModulus = 1e9, kRatio = 0.3, kThickness = 0.02;
 
 // A curved rational patch.
 Patch patch() {
@@ -39,7 +39,7 @@ struct Both {
   std::vector<double> rest;
 
   explicit Both(StressModel model = model_of<NeoHookean>, int layers = 4)
-      : rows(make_row_tables(shape, 2, gauss_layers(layers, kThickness), elasticity({kYoung, kPoisson}, model), "p")),
+      : rows(make_row_tables(shape, 2, gauss_layers(layers, kThickness), elasticity({kModulus, kRatio}, model), "p")),
         gathered(rows) {
     for (int q = 0; q < rows.blocks(); ++q)
       for (int e = 0; e < rows.spans_u; ++e) {
@@ -86,7 +86,7 @@ struct Memory<YieldingLayers> : Memory<ElasticLayers> {
   std::vector<double> states, forms;
   RowPlasticity law;
   explicit Memory(const Both& b) : Memory<ElasticLayers>(b), states(b.size(16), 0.0), forms(b.size(kFormFields), -1.0) {
-    law.law = {3e6, 1e8, kYoung, kPoisson};
+    law.law = {3e6, 1e8, kModulus, kRatio};
     law.states = &states, law.forms = &forms;
   }
   LayerMemory rows() { return {&law, nullptr, nullptr}; }
@@ -202,7 +202,7 @@ TYPED_TEST(ElasticLawTest, StressIsTwiceTheDerivativeOfTheEnergy) {
 }
 
 TYPED_TEST(ElasticLawTest, HasNeitherStressNorEnergyAtRest) {
-  const TypeParam law(ElasticConstants{1.0, kPoisson});
+  const TypeParam law(ElasticConstants{1.0, kRatio});
   const PlaneStress<double> p = law.template stress<double>(kRest, kRest);
   for (const double s : {p.s.c11, p.s.c22, p.s.c12}) EXPECT_NEAR(s, 0.0, 1e-15);  // round-off of a unit modulus
   EXPECT_NEAR(law.template energy<double>(p, kRest, kRest), 0.0, 1e-15);
@@ -210,7 +210,7 @@ TYPED_TEST(ElasticLawTest, HasNeitherStressNorEnergyAtRest) {
 }
 
 TYPED_TEST(ElasticLawTest, OfAPackIsThatOfItsLanes) {
-  const TypeParam law(ElasticConstants{1.0, kPoisson});
+  const TypeParam law(ElasticConstants{1.0, kRatio});
   for (const double size : {0.002, 0.3}) {  // all lanes near rest, and some far
     Sym2<Pack> c{}, a{};
     for (int i = 0; i < kLanes; ++i) {
@@ -242,7 +242,7 @@ TYPED_TEST(ElasticLawTest, IsTheSameInRowsAndGatheredPoints) {
     EXPECT_GT(rows.energy, 0.0);
     // Sums have another order. Some energies are differences of terms as large as the modulus: round-off of modulus
     // times volume, for a patch of 1 m^2.
-    EXPECT_NEAR(rows.energy, points.energy, 1e-12 * rows.energy + 1e-15 * kYoung * kThickness);
+    EXPECT_NEAR(rows.energy, points.energy, 1e-12 * rows.energy + 1e-15 * kModulus * kThickness);
     expect_near(rows.force, points.force, 1e-11 * largest_of(rows.force));
     expect_near(rows.faces, points.faces, 1e-11 * largest_of(rows.faces));
   }
@@ -296,7 +296,7 @@ TYPED_TEST(LayerLawTest, IsTheSameInRowsAndGatheredPoints) {
 TEST(ElasticLayers, ResultantsAreDerivativesOfTheEnergy) {
   const ReferenceMetric<double> ref{kRest, {0.4, -0.3, 0.1}};
   Layers tempered = gauss_layers(4, 0.1);
-  const Elasticity e = elasticity({1.0, kPoisson});
+  const Elasticity e = elasticity({1.0, kRatio});
   prestress(tempered, 0.1, 1e-3, e);
   for (const Layers& layers : {gauss_layers(3, 0.1), tempered, linear_bending(0.1)}) {
     Forms<double> f{};

@@ -12,10 +12,11 @@ using namespace sunder::shell;
 
 namespace {
 
-constexpr double kThickness = 0.004, kSmall = 1e-6;
+constexpr double kPlateThickness = 0.004, kSmall = 1e-6;
 
-struct Sheet {
-  ShellModel m = make_shell("p", plate(0.2, 0.1, 8, 6, Vec3::Zero(), Quat::Identity()), kThickness, glass(), 4, 2, {});
+struct Plate {
+  ShellModel m =
+      make_shell("p", plate(0.2, 0.1, 8, 6, Vec3::Zero(), Quat::Identity()), kPlateThickness, glass(), 4, 2, {});
   ShellState s = make_state(m, Vec3::Zero(), 1);
 
   GatheredPoint middle() const {
@@ -36,7 +37,7 @@ struct Sheet {
     }
   }
   SectionState state() const {
-    const auto found = section_state(m.tables, middle(), s.motion.x, kThickness);
+    const auto found = section_state(m.tables, middle(), s.motion.x, kPlateThickness);
     EXPECT_TRUE(found.has_value());
     return found.value_or(SectionState{});
   }
@@ -45,7 +46,7 @@ struct Sheet {
 }  // namespace
 
 TEST(SectionState, OfAStretchedSheetIsHookesInAnyPose) {
-  Sheet p;
+  Plate p;
   const Quat turn(Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()));
   p.place([&](const Vec3& x) { return Vec3(turn * Vec3((1.0 + kSmall) * x.x(), x.y(), x.z()) + Vec3(3, -2, 1)); });
   const SectionState s = p.state();
@@ -57,30 +58,30 @@ TEST(SectionState, OfAStretchedSheetIsHookesInAnyPose) {
     EXPECT_NEAR(s.strain[k].c11 / kSmall, 1.0, 1e-5);
     EXPECT_EQ(s.plastic[k], 0.0);
   }
-  EXPECT_NEAR(s.force.c11 / (stress * kThickness), 1.0, 1e-5);
-  EXPECT_NEAR(s.moment.c11 / (stress * kThickness * kThickness), 0.0, 1e-6);
+  EXPECT_NEAR(s.force.c11 / (stress * kPlateThickness), 1.0, 1e-5);
+  EXPECT_NEAR(s.moment.c11 / (stress * kPlateThickness * kPlateThickness), 0.0, 1e-6);
   EXPECT_NEAR((s.normal - turn * Vec3::UnitZ()).norm(), 0.0, 1e-9);
   EXPECT_NEAR((s.first - turn * Vec3::UnitX()).norm(), 0.0, 1e-5);
-  EXPECT_NEAR(s.thickness / kThickness, 1.0 - nu / (1.0 - nu) * kSmall, 1e-8);
+  EXPECT_NEAR(s.thickness / kPlateThickness, 1.0 - nu / (1.0 - nu) * kSmall, 1e-8);
 }
 
 TEST(SectionState, OfABentSheetHasItsMomentAndItsOutsideInTension) {
-  Sheet p;
+  Plate p;
   const double curvature = 1e-3;  // [1/m], about the y axis: a dome
   p.place([&](const Vec3& x) { return Vec3(x.x(), x.y(), -0.5 * curvature * x.x() * x.x()); });
   const SectionState s = p.state();
   const double e = p.m.material.youngs_modulus, nu = p.m.material.poisson_ratio;
-  const double rigidity = e * kThickness * kThickness * kThickness / (12.0 * (1.0 - nu * nu));
+  const double rigidity = e * kPlateThickness * kPlateThickness * kPlateThickness / (12.0 * (1.0 - nu * nu));
   EXPECT_NEAR(s.moment.c11 / (rigidity * curvature), 1.0, 1e-3);  // upwards is outside, and bends into tension
   EXPECT_NEAR(s.moment.c22 / (rigidity * curvature), nu, 1e-3);
-  const double face = e / (1.0 - nu * nu) * curvature * 0.5 * kThickness;
+  const double face = e / (1.0 - nu * nu) * curvature * 0.5 * kPlateThickness;
   EXPECT_NEAR(s.stress[kOutside].c11 / face, 1.0, 2e-3);
   EXPECT_NEAR(s.stress[kInside].c11 / face, -1.0, 2e-3);
   EXPECT_NEAR(s.stress[kMiddle].c11 / face, 0.0, 2e-3);
 }
 
 TEST(SectionState, OfASheetThatIsFlattenedToNothingIsNone) {
-  Sheet p;
+  Plate p;
   p.place([](const Vec3& x) { return Vec3(0.1 * x.x(), 0.1 * x.y(), 0.0); });
-  EXPECT_FALSE(section_state(p.m.tables, p.middle(), p.s.motion.x, kThickness).has_value());
+  EXPECT_FALSE(section_state(p.m.tables, p.middle(), p.s.motion.x, kPlateThickness).has_value());
 }

@@ -11,13 +11,15 @@ using namespace sunder::shell;
 
 namespace {
 
-constexpr double kSharp = 0.7;  // [rad]
+constexpr double kCrease = 0.7;  // [rad]
 
-Vec3 on_tube(double u, double v) { return {0.2 * std::cos(2.0 * M_PI * u), 0.2 * std::sin(2.0 * M_PI * u), 0.5 * v}; }
+Vec3 on_short_tube(double u, double v) {
+  return {0.2 * std::cos(2.0 * M_PI * u), 0.2 * std::sin(2.0 * M_PI * u), 0.5 * v};
+}
 
 TEST(MeshPatches, APlateIsOneWholePatchWithoutTrims) {
   const TriangleMesh m = lattice(17, 13, false, [](double u, double v) { return Vec3(u, 0.3, 0.8 * v); }).mesh();
-  const MeshPatches all = patches_of(m, {0.05, kSharp, 2, {}});
+  const MeshPatches all = patches_of(m, {0.05, kCrease, 2, {}});
   ASSERT_EQ(all.patches.size(), 1u);
   const MeshPatch& p = all.patches[0];
   EXPECT_TRUE(p.loops.empty());
@@ -34,7 +36,7 @@ TEST(MeshPatches, AHoleIsALoop) {
     const Vec3 x = (t.points[f.corners[0]] + t.points[f.corners[1]] + t.points[f.corners[2]]) / 3.0;
     return (x - Vec3(0.5, 0.5, 0.0)).norm() < 0.2;
   });
-  const MeshPatches all = patches_of(t.mesh(), {0.05, kSharp, 2, {}});
+  const MeshPatches all = patches_of(t.mesh(), {0.05, kCrease, 2, {}});
   ASSERT_EQ(all.patches.size(), 1u);
   ASSERT_EQ(all.patches[0].loops.size(), 1u);
   EXPECT_TRUE(all.patches[0].loops[0].hole);
@@ -43,7 +45,7 @@ TEST(MeshPatches, AHoleIsALoop) {
 // Patches of a smooth surface agree at their common border in place, and are near the surface of which the triangles
 // are.
 TEST(MeshPatches, PatchesOfATubeMeet) {
-  const MeshPatches all = patches_of(lattice(40, 20, true, on_tube).mesh(), {0.025, kSharp, 2, {}});
+  const MeshPatches all = patches_of(lattice(40, 20, true, on_short_tube).mesh(), {0.025, kCrease, 2, {}});
   ASSERT_EQ(all.patches.size(), 2u);
   ASSERT_EQ(all.seams.size(), 2u);
   for (const MeshSeam& s : all.seams) {
@@ -59,7 +61,7 @@ TEST(MeshPatches, PatchesOfATubeMeet) {
 }
 
 TEST(MeshPatches, CoarseTrianglesOfASphereAreRound) {
-  const MeshPatches all = patches_of(ball(1.0, 4).mesh(), {0.1, kSharp, 2, {}});
+  const MeshPatches all = patches_of(ball(1.0, 4).mesh(), {0.1, kCrease, 2, {}});
   for (const MeshPatch& p : all.patches) {
     EXPECT_LT(p.error, 0.01 * 0.1);
     const Vec2 middle(0.5 * p.patch.knots_u.end(), 0.5 * p.patch.knots_v.end());
@@ -70,7 +72,7 @@ TEST(MeshPatches, CoarseTrianglesOfASphereAreRound) {
 
 TEST(MeshPatches, AMeshOfTooManyElementsOrTooLongOnesIsRefused) {
   const TriangleMesh m = lattice(10, 10, false, [](double u, double v) { return Vec3(u, v, 0.0); }).mesh();
-  const auto refusal = [&](const TriangleMesh& mesh, double element, double crease = kSharp) -> std::string {
+  const auto refusal = [&](const TriangleMesh& mesh, double element, double crease = kCrease) -> std::string {
     try {
       patches_of(mesh, {element, crease, 2, {}});
     } catch (const Error& e) {

@@ -30,7 +30,7 @@ struct Sheet {
 
 const std::vector<Vec2> kTriangle = {{0.05, 0.1}, {0.15, 0.1}, {0.1, 0.17}, {0.05, 0.1}};
 
-std::vector<Proxy> ball(double height, double speed) {
+std::vector<Proxy> falling_balls(double height, double speed) {
   RigidBody b;
   b.id = 1, b.name = "ball", b.mass = 0.03, b.principal_inertia = Vec3::Constant(1e-6), b.shape = SphereShape{0.01};
   b.motion.position = {0.0, 0.0, height}, b.motion.velocity = {0.0, 0.0, -speed};
@@ -96,7 +96,7 @@ TEST(ShellPart, MeasuresItsStepWhereCracksAreNewAndNotInEachWindow) {
 
 TEST(ShellPart, AStepForHertzContactIsKeptForSomeTimeAndLongerAfterEachContact) {
   constexpr double kStiffness = 1e9, kLong = 1e-4, kWindow = 1e-3;
-  const std::vector<Proxy> near = ball(0.012, 0.6), far = ball(1.0, 0.6);
+  const std::vector<Proxy> near = falling_balls(0.012, 0.6), far = falling_balls(1.0, 0.6);
   Sheet none;
   EXPECT_EQ(none.part.step_with_hertz(kLong, near, 1, Vec3::Zero(), kWindow, 0), kLong);
   Sheet sheet(kStiffness);

@@ -16,7 +16,7 @@ using namespace sunder::shell;
 
 namespace {
 
-RigidBody ball(const Vec3& at, const Vec3& velocity) {
+RigidBody large_ball(const Vec3& at, const Vec3& velocity) {
   RigidBody b;
   b.id = 1, b.name = "ball", b.mass = 0.1, b.principal_inertia = Vec3::Constant(1e-5), b.shape = SphereShape{0.02};
   b.motion.position = at, b.motion.velocity = velocity;
@@ -30,7 +30,7 @@ TEST(Substep, OfAShellAtRestIsFreeFall) {
   const Vec3 gravity(1, 0, -9.81), v(2, -1, 3);
   RunSetup setup = setup_of({{brittle_sheet(6), v}});
   setup.gravity = gravity;
-  setup.bodies = {ball(Vec3(0, 0, 5), v)};
+  setup.bodies = {large_ball(Vec3(0, 0, 5), v)};
   Rig rig(std::move(setup));
   const Vec3 start = rig.state().position(rig.model().tables.slot(9));
   constexpr int kSteps = 50;
@@ -48,7 +48,7 @@ TEST(Substep, TheFirstOfARunMakesFreeFallExact) {
   const Vec3 gravity(1, 0, -9.81), v(2, -1, 3);
   RunSetup setup = setup_of({{brittle_sheet(6), v}});
   setup.gravity = gravity;
-  setup.bodies = {ball(Vec3(0, 0, 5), v)};
+  setup.bodies = {large_ball(Vec3(0, 0, 5), v)};
   Rig rig(std::move(setup));
   const int slot = rig.model().tables.slot(9);
   const Vec3 start = rig.state().position(slot);
@@ -66,7 +66,7 @@ TEST(Substep, TheFirstOfARunMakesFreeFallExact) {
 
 TEST(Substep, KeepsTheMomentumOfShellAndBodyAndFillsBothPages) {
   RunSetup setup = setup_of({{brittle_sheet(12)}});
-  setup.bodies = {ball(Vec3(0.01, 0.02, 0.023), Vec3(1, 0, -4))};
+  setup.bodies = {large_ball(Vec3(0.01, 0.02, 0.023), Vec3(1, 0, -4))};
   setup.laws = {{0, 0, 0.4, 0.0}};
   Rig rig(std::move(setup));
   const RigidBody before = rig.body().body;

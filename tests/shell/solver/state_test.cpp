@@ -12,13 +12,13 @@ using namespace sunder::shell;
 
 namespace {
 
-constexpr double kSide = 1.0, kCell = 0.0125, kStrength = 50e6;
+constexpr double kSheetSide = 1.0, kCell = 0.0125, kStrength = 50e6;
 
 std::vector<double> strengths(double modulus, std::uint64_t seed) {
   ShellMaterial material = glass();
   material.strength = kStrength, material.weibull_modulus = modulus, material.flaw_spacing = kCell;
-  const ShellModel m =
-      make_shell("p", plate(kSide, kSide, 120, 120, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2, {});
+  const ShellModel m = make_shell("p", plate(kSheetSide, kSheetSide, 120, 120, Vec3::Zero(), Quat::Identity()), 0.004,
+                                  material, 2, 2, {});
   const ShellState s = make_state(m, Vec3::Zero(), seed);
   std::vector<double> all;
   for (int q = 0; q < m.tables.blocks(); ++q)
@@ -54,7 +54,7 @@ TEST(Scatter, IsWeibulls) {
 
 TEST(Scatter, HasAFlawPerSquaredFlawSpacing) {
   // those that the border cuts are there with a part
-  const double cells = std::pow(kSide / kCell, 2), border = 4.0 * kSide / kCell;
+  const double cells = std::pow(kSheetSide / kCell, 2), border = 4.0 * kSheetSide / kCell;
   const double n = static_cast<double>(flaws(10.0, 1).size());
   EXPECT_GT(n, cells);
   EXPECT_LT(n, cells + border);

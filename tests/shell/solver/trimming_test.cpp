@@ -16,7 +16,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kSide = 1.0, kThickness = 0.01;
+constexpr double kEdge = 1.0, kThickness = 0.01;
 
 ShellMaterial steel() {
   ShellMaterial m;
@@ -36,13 +36,13 @@ std::vector<Vec2> ring(const Vec2& centre, double radius, int corners, double tu
 // A disc with a hole.
 TrimLoops washer() {
   return {Vec2::Zero(),
-          Vec2::Constant(kSide),
+          Vec2::Constant(kEdge),
           {{ring({0.52, 0.5}, 0.4, 30, 0.1), false}, {ring({0.5, 0.51}, 0.15, 12, 0.2), true}}};
 }
 
 ShellModel trimmed(const TrimLoops& loops, int degree = 2, const std::vector<Support>& supports = {},
                    const std::vector<Load>& loads = {}) {
-  const Patch p = plate(kSide, kSide, 16, 16, Vec3(0.5 * kSide, 0.5 * kSide, 0.0), Quat::Identity(), degree);
+  const Patch p = plate(kEdge, kEdge, 16, 16, Vec3(0.5 * kEdge, 0.5 * kEdge, 0.0), Quat::Identity(), degree);
   return make_shell("plate", p, kThickness, steel(), 2, degree, supports, loads, loops);
 }
 
@@ -167,7 +167,7 @@ TEST(Trimming, CutsThatEndOnLoopsPartThePlate) {
 }
 
 TEST(Trimming, AStripThatIsTooNarrowIsRefused) {
-  const TrimLoops strip(Vec2::Zero(), Vec2::Constant(kSide),
+  const TrimLoops strip(Vec2::Zero(), Vec2::Constant(kEdge),
                         {{{{0.1, 0.5}, {0.9, 0.5}, {0.9, 0.503}, {0.1, 0.503}, {0.1, 0.5}}, false}});
   try {
     trimmed(strip);

@@ -20,7 +20,7 @@ using namespace sunder::shell;
 
 namespace {
 
-Proxy ball(double radius, double density, const Vec3& at, const Vec3& velocity) {
+Proxy solid_ball(double radius, double density, const Vec3& at, const Vec3& velocity) {
   RigidBody b;
   b.id = 1, b.name = "ball", b.mass = density * 4.0 / 3.0 * 3.14159265358979 * std::pow(radius, 3);
   b.principal_inertia = Vec3::Constant(0.4 * b.mass * radius * radius);
@@ -36,7 +36,7 @@ struct Bounce {
 Bounce bounce(const ShellModel& m, const Vec3& at, double stiffness, double safety, double radius = 0.01) {
   constexpr double kSpeed = 0.5;
   RunSetup setup = setup_of({{m}});
-  setup.bodies = {ball(radius, 7800, at, Vec3(0, 0, -kSpeed)).body};
+  setup.bodies = {solid_ball(radius, 7800, at, Vec3(0, 0, -kSpeed)).body};
   setup.shells[0].hertz = {stiffness};
   Rig rig(std::move(setup));
   ShellState& s = rig.state();
@@ -123,7 +123,7 @@ TEST(HertzContact, DoesNotReachAcrossACrack) {
   insert_polyline(m, s, {{0.1, 0.0}, {0.1, 0.2}}, 0.0);
   for (int i = 0; i < m.control_points(); ++i)  // the half at x > 0 is drawn away
     if (m.parameter[i].x() > 0.1) s.motion.x[m.tables.slot(i)] += 0.05;
-  std::vector<Proxy> bodies{ball(0.01, 7800, Vec3(0.0045, 0.003, 0.0119), Vec3::Zero())};
+  std::vector<Proxy> bodies{solid_ball(0.01, 7800, Vec3(0.0045, 0.003, 0.0119), Vec3::Zero())};
   const std::vector<ContactCoefficients> coefficients{{0.5, 0.0, 1e9}};
   ContactCandidates candidates;
   refresh_candidates(m, s, bodies, coefficients, 1e-7, candidates);

@@ -12,13 +12,13 @@ using namespace sunder::shell;
 
 namespace {
 
-ShellModel sheet(const Vec3& at) {
+ShellModel tiled_sheet(const Vec3& at) {
   return make_shell("sheet", plate(0.4, 0.4, 16, 16, at, Quat::Identity()), 0.01, glass(), 2, 2, {});
 }
 
 /// Tiles of two sheets, the upper one `apart` above the other and falling at `speed`, that are candidates.
 int candidates(double apart, double speed, double aside = 0.0) {
-  const ShellModel low = sheet(Vec3::Zero()), high = sheet(Vec3(aside, 0, apart));
+  const ShellModel low = tiled_sheet(Vec3::Zero()), high = tiled_sheet(Vec3(aside, 0, apart));
   ShellState a = make_state(low, Vec3::Zero(), 0), b = make_state(high, Vec3(0, 0, -speed), 0);
   NearTiles near({&low, &high}, {}, components(2, {}), 0.002, 0.05);
   near.refresh({{&low, &a}, {&high, &b}}, 1e-5);
@@ -74,7 +74,7 @@ TEST(NearTiles, OfOneSurfaceAreNoneUntilItFolds) {
 }
 
 TEST(NearTiles, LeaveOutShellsThatAreNotAsked) {
-  const ShellModel low = sheet(Vec3::Zero()), high = sheet(Vec3(0, 0, 0.011));
+  const ShellModel low = tiled_sheet(Vec3::Zero()), high = tiled_sheet(Vec3(0, 0, 0.011));
   ShellState a = make_state(low, Vec3::Zero(), 0), b = make_state(high, Vec3::Zero(), 0);
   NearTiles near({&low, &high}, {1, 0}, components(2, {}), 0.002, 0.05);
   near.refresh({{&low, &a}, {&high, &b}}, 1e-5);

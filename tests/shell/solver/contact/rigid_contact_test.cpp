@@ -17,7 +17,7 @@ using namespace sunder::shell;
 
 namespace {
 
-RigidBody ball(const Vec3& at, const Vec3& velocity) {
+RigidBody spinning_ball(const Vec3& at, const Vec3& velocity) {
   RigidBody b;
   b.id = 1, b.name = "ball", b.mass = 0.2, b.principal_inertia = Vec3::Constant(3e-5), b.shape = SphereShape{0.02};
   b.motion.position = at, b.motion.velocity = velocity, b.motion.angular_momentum = Vec3(2e-3, -1e-3, 3e-3);
@@ -123,7 +123,7 @@ TEST(RigidContact, BooksWhatShellAndBodyLoseAndKeepsTheirMomenta) {
     for (const double restitution : {0.0, 0.6}) {
       ShellState s = make_state(m, Vec3(0.3, 0, 0.5), 0);
       const Totals before = totals(m, s);
-      std::vector<Proxy> bodies{Proxy(ball(Vec3(0.011, 0.007, 0.0215), Vec3(2, 1, -4)))};
+      std::vector<Proxy> bodies{Proxy(spinning_ball(Vec3(0.011, 0.007, 0.0215), Vec3(2, 1, -4)))};
       const RigidBody then = bodies[0].body;
       const double energy = kinetic(s) + then.kinetic_energy();
       const std::vector<ContactCoefficients> law{{friction, restitution, 0.0}};
@@ -150,7 +150,7 @@ TEST(RigidContact, PushesNeitherWhatIsApartNorWhatSeparates) {
   const ShellModel m = brittle_sheet(12);
   for (const auto& [height, speed] : {std::pair(0.0221, -4.0), {0.0215, 4.0}}) {
     ShellState s = make_state(m, Vec3::Zero(), 0);
-    std::vector<Proxy> bodies{Proxy(ball(Vec3(0, 0, height), Vec3(0, 0, speed)))};
+    std::vector<Proxy> bodies{Proxy(spinning_ball(Vec3(0, 0, height), Vec3(0, 0, speed)))};
     bodies[0].body.motion.angular_momentum.setZero();
     const std::vector<ContactCoefficients> law(1);
     ContactCandidates c;
@@ -221,15 +221,15 @@ TEST(RigidContact, GivesNothingToWhatAKickTurns) {
 TEST(RigidContact, LooksOnlyAtSamplesThatABodyMayReachInTime) {
   const ShellModel m = brittle_sheet(24);
   const ShellState s = make_state(m, Vec3::Zero(), 0);
-  EXPECT_EQ(candidates_near(m, s, ball(Vec3(0, 0, 0.2), Vec3(0, 0, -1))), 0u);
-  const std::size_t slow = candidates_near(m, s, ball(Vec3(0, 0, 0.0235), Vec3(0, 0, -1)));
+  EXPECT_EQ(candidates_near(m, s, spinning_ball(Vec3(0, 0, 0.2), Vec3(0, 0, -1))), 0u);
+  const std::size_t slow = candidates_near(m, s, spinning_ball(Vec3(0, 0, 0.0235), Vec3(0, 0, -1)));
   EXPECT_GT(slow, 0u);
   EXPECT_LT(slow, static_cast<std::size_t>(m.tables.gauss_points()) / 4);
   // it will come 16 substeps of 0.3 mm nearer before the next look, and twice as far counts
-  EXPECT_EQ(candidates_near(m, s, ball(Vec3(0, 0, 0.03), Vec3(0, 0, -1))), 0u);
-  EXPECT_GT(candidates_near(m, s, ball(Vec3(0, 0, 0.03), Vec3(0, 0, -3000))), 0u);
+  EXPECT_EQ(candidates_near(m, s, spinning_ball(Vec3(0, 0, 0.03), Vec3(0, 0, -1))), 0u);
+  EXPECT_GT(candidates_near(m, s, spinning_ball(Vec3(0, 0, 0.03), Vec3(0, 0, -3000))), 0u);
   ContactCandidates c;
-  refresh_candidates(m, s, {Proxy(ball(Vec3(0, 0, 0.0235), Vec3(0, 0, -1)))}, {{}}, 1e-7, c);
+  refresh_candidates(m, s, {Proxy(spinning_ball(Vec3(0, 0, 0.0235), Vec3(0, 0, -1)))}, {{}}, 1e-7, c);
   for (const auto& sample : c.of_body[0])
     EXPECT_EQ(sample.first, kContactRefresh);  // 1.5 mm to go at less than 1 um a substep
 }
@@ -240,7 +240,7 @@ TEST(RigidContact, DoesNotMoveWhatASupportHolds) {
   const ShellModel m =
       make_shell("p", plate(0.2, 0.2, 8, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {clamp});
   ShellState s = make_state(m, Vec3::Zero(), 0);
-  std::vector<Proxy> bodies{Proxy(ball(Vec3(-0.0803, 0.0053, 0.0215), Vec3(0, 0, -4)))};
+  std::vector<Proxy> bodies{Proxy(spinning_ball(Vec3(-0.0803, 0.0053, 0.0215), Vec3(0, 0, -4)))};
   const std::vector<ContactCoefficients> law(1);
   ContactCandidates c;
   refresh_candidates(m, s, bodies, law, 1e-7, c);

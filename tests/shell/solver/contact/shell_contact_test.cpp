@@ -21,7 +21,8 @@ ShellMaterial rubber() {
   return m;
 }
 
-ShellModel sheet(double size, int elements, const Vec3& at, double thickness, const Quat& turn = Quat::Identity()) {
+ShellModel rubber_sheet(double size, int elements, const Vec3& at, double thickness,
+                        const Quat& turn = Quat::Identity()) {
   return make_shell("sheet", plate(size, size, elements, elements, at, turn), thickness, rubber(), 2, 2, {});
 }
 
@@ -109,8 +110,8 @@ std::vector<SurfaceSample> strip(double thickness, F&& x, G&& along, bool rests)
 
 TEST(ShellContact, MomentumStaysAndEnergyIsBooked) {
   const Quat askew(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
-  Rig rig(setup_of({{sheet(0.5, 20, Vec3::Zero(), 0.004)},
-                    {sheet(0.4, 14, Vec3(0.02, 0.01, 0.008), 0.004, askew), Vec3(1, 0, -5)}}));
+  Rig rig(setup_of({{rubber_sheet(0.5, 20, Vec3::Zero(), 0.004)},
+                    {rubber_sheet(0.4, 14, Vec3(0.02, 0.01, 0.008), 0.004, askew), Vec3(1, 0, -5)}}));
   rig.meet({0.3, 0.0});
   const ShellModel &low = rig.model(0), &high = rig.model(1);
   ShellState &a = rig.state(0), &b = rig.state(1);
@@ -139,7 +140,8 @@ TEST(ShellContact, MomentumStaysAndEnergyIsBooked) {
 
 TEST(ShellContact, SheetsThatMeetSquarelyGoOnTogetherAtAThicknessApart) {
   // equal, one over the other: without restitution both go on with half the velocity
-  Rig rig(setup_of({{sheet(0.3, 10, Vec3::Zero(), 0.01)}, {sheet(0.3, 10, Vec3(0, 0, 0.0101), 0.01), Vec3(0, 0, -2)}}));
+  Rig rig(setup_of({{rubber_sheet(0.3, 10, Vec3::Zero(), 0.01)},
+                    {rubber_sheet(0.3, 10, Vec3(0, 0, 0.0101), 0.01), Vec3(0, 0, -2)}}));
   rig.meet();
   rig.run(200, 2e-6);
   for (const int k : {0, 1}) EXPECT_NEAR(rig.state(k).velocity(rig.model(k).tables.slot(70)).z(), -1.0, 0.05);
@@ -176,8 +178,8 @@ double upward(const ShellModel& m, const ShellState& s, const Vec2& parameter) {
 
 TEST(ShellContact, ASeamIsStoppedLikeWhatIsBesideIt) {
   // two patches that hang together fall on a sheet; control points at their seam depend on others
-  Stitched s({sheet(0.4, 8, Vec3(-0.2, 0, 0), 0.01), sheet(0.4, 8, Vec3(0.2, 0, 0), 0.01),
-              sheet(0.6, 12, Vec3(0.01, 0.02, -0.01), 0.01)});
+  Stitched s({rubber_sheet(0.4, 8, Vec3(-0.2, 0, 0), 0.01), rubber_sheet(0.4, 8, Vec3(0.2, 0, 0), 0.01),
+              rubber_sheet(0.6, 12, Vec3(0.01, 0.02, -0.01), 0.01)});
   ASSERT_EQ(s.seams().size(), 1u);
   for (const int k : {0, 1})
     for (int i = 0; i < s.model(k).control_points(); ++i)
@@ -196,7 +198,7 @@ TEST(ShellContact, ASeamIsStoppedLikeWhatIsBesideIt) {
 TEST(ShellContact, WhatTouchesAtFewPlacesIsStoppedWithinASubstepToo) {
   // a strip as wide as an element falls across a sheet: the control points that it pushes reach far beyond it
   for (const double restitution : {0.0, 0.5}) {
-    const ShellModel low = sheet(0.5, 10, Vec3::Zero(), 0.01),
+    const ShellModel low = rubber_sheet(0.5, 10, Vec3::Zero(), 0.01),
                      high = make_shell("strip", plate(0.05, 0.4, 1, 8, Vec3(0.01, 0.02, 0.01), Quat::Identity()), 0.01,
                                        rubber(), 2, 2, {});
     ShellState a = make_state(low, Vec3::Zero(), 0), b = make_state(high, Vec3(0, 0, -2), 0);
@@ -396,7 +398,8 @@ TEST(ShellContact, AShellThatHasACreaseAtRestIsLeftAlone) {
 }
 
 TEST(ShellContact, WhatCannotMeetCostsNothing) {
-  const ShellModel low = sheet(0.5, 20, Vec3::Zero(), 0.004), high = sheet(0.5, 20, Vec3(0, 0, 0.3), 0.004);
+  const ShellModel low = rubber_sheet(0.5, 20, Vec3::Zero(), 0.004),
+                   high = rubber_sheet(0.5, 20, Vec3(0, 0, 0.3), 0.004);
   ShellState a = make_state(low, Vec3::Zero(), 0), b = make_state(high, Vec3::Zero(), 0);
   ShellContact contact({&low, &high}, {}, {2, std::vector<SurfaceLaw>(2)});
   EXPECT_EQ(contact.act({{&low, &a}, {&high, &b}}, 1e-6), 0);
@@ -404,7 +407,7 @@ TEST(ShellContact, WhatCannotMeetCostsNothing) {
 }
 
 TEST(ShellContact, ASheetFoldedOnItselfDoesNotPassThrough) {
-  Rig rig(setup_of({{sheet(1.0, 40, Vec3::Zero(), 0.01)}}));
+  Rig rig(setup_of({{rubber_sheet(1.0, 40, Vec3::Zero(), 0.01)}}));
   rig.meet();
   const ShellModel& m = rig.model();
   ShellState& s = rig.state();

@@ -15,11 +15,11 @@ using namespace sunder::shell;
 
 namespace {
 
-ShellModel model(const Patch& p) { return make_shell("p", p, 0.01, glass(), 2, p.degree(), {}); }
+ShellModel panel_model(const Patch& p) { return make_shell("p", p, 0.01, glass(), 2, p.degree(), {}); }
 
 // Two plates side by side, twelve elements and as many or seventeen along their seam at x = 1.
 Stitched two_plates(bool matching) {
-  return Stitched({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, matching ? 12 : 17))});
+  return Stitched({panel_model(flat(0, 1, 0, 1, 12, 12)), panel_model(flat(1, 2, 0, 1, 12, matching ? 12 : 17))});
 }
 
 int links(const Stitched& s) {
@@ -133,10 +133,11 @@ TEST(SeamCracks, PartTheSeamThatTheyAreAtAndNoOther) {
   };
   for (const bool hinge : {false, true})
     for (const bool opened : {false, true}) {
-      Stitched row({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, 12)), model(flat(2, 3, 0, 1, 12, 17))},
+      Stitched row({panel_model(flat(0, 1, 0, 1, 12, 12)), panel_model(flat(1, 2, 0, 1, 12, 12)),
+                    panel_model(flat(2, 3, 0, 1, 12, 17))},
                    hinge ? Join::kHinge : Join::kClamped);
-      Stitched square({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, 12)),
-                       model(flat(0, 1, 1, 2, 12, 12)), model(flat(1, 2, 1, 2, 12, 12))},
+      Stitched square({panel_model(flat(0, 1, 0, 1, 12, 12)), panel_model(flat(1, 2, 0, 1, 12, 12)),
+                       panel_model(flat(0, 1, 1, 2, 12, 12)), panel_model(flat(1, 2, 1, 2, 12, 12))},
                       hinge ? Join::kHinge : Join::kClamped);
       for (Stitched* s : {&row, &square}) {
         const int before = links_to(*s, 2), all = links_to(*s, 0);
@@ -159,8 +160,8 @@ TEST(SeamCracks, PartTheSeamThatTheyAreAtAndNoOther) {
 TEST(SeamCracks, PartACornerOnceNothingElseHoldsItThere) {
   for (const Join join : {Join::kClamped, Join::kHinge})
     for (const int off : {0, 1, 2, 3}) {
-      Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, 12)), model(flat(0, 1, 1, 2, 12, 12)),
-                  model(flat(1, 2, 1, 2, 12, 12))},
+      Stitched s({panel_model(flat(0, 1, 0, 1, 12, 12)), panel_model(flat(1, 2, 0, 1, 12, 12)),
+                  panel_model(flat(0, 1, 1, 2, 12, 12)), panel_model(flat(1, 2, 1, 2, 12, 12))},
                  join);
       const auto links_between = [&](bool own) {
         int count = 0;

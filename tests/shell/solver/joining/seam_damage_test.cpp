@@ -11,13 +11,13 @@ using namespace sunder::shell;
 
 namespace {
 
-/// Two halves of a square of 0.3 m, which hang together at x = 0.15; the right one has its parameters turned.
-Stitched halves(int turns, int right_rows = 40) {
+/// Two turned_halves of a square of 0.3 m, which hang together at x = 0.15; the right one has its parameters turned.
+Stitched turned_halves(int turns, int right_rows = 40) {
   return Stitched({panel("left", flat(0.0, 0.15, 0.0, 0.3, 20, 40), 0.3),
                    panel("right", turned(flat(0.15, 0.3, 0.0, 0.3, 20, right_rows), turns), 0.3)});
 }
 
-/// Rest places along the seam [m] of the points that still join the halves.
+/// Rest places along the seam [m] of the points that still join the turned_halves.
 std::vector<double> joined_at(Stitched& s) {
   std::vector<double> out;
   s.stitching().each_dependence([&](int shell, int slot, int, int) {
@@ -29,7 +29,7 @@ std::vector<double> joined_at(Stitched& s) {
 }
 
 /// Complete damage in half k, nearer to the seam than `depth` and from `from` to `to` along it [m].
-void spend(Stitched& s, int k, double depth, double from, double to) {
+void spend_near_seam(Stitched& s, int k, double depth, double from, double to) {
   s.state(k).layers.brittleness = brittleness(kStrength, kYoung, kToughness, width(s.model(k)));
   damage_where(s.model(k), s.state(k), [&](const Vec2& p) {
     const Vec3 x = s.model(k).patch.evaluate(p).x;
@@ -46,12 +46,12 @@ TEST(SeamDamage, ATearAlongASeamOpensItThereAndNowhereElse) {
     for (const int turns : {0, 1, 2, 3})
       for (const int rows : {40, 28}) {
         SCOPED_TRACE(testing::Message() << "half " << k << ", " << turns << " turns, " << rows << " rows");
-        Stitched s = halves(turns, rows);
+        Stitched s = turned_halves(turns, rows);
         SeamDamage damage = watched(s);
         EXPECT_FALSE(damage.open(s.refs(), s.seams(), s.stitching()));
         const std::size_t before = joined_at(s).size();
         const Stitched::Sums sums = s.sums();
-        spend(s, k, s.model(k).spacing, 0.1, 0.2);
+        spend_near_seam(s, k, s.model(k).spacing, 0.1, 0.2);
         EXPECT_TRUE(damage.open(s.refs(), s.seams(), s.stitching()));
         EXPECT_FALSE(damage.open(s.refs(), s.seams(), s.stitching()));  // nothing more
         const std::vector<double> after = joined_at(s);
@@ -68,18 +68,18 @@ TEST(SeamDamage, ATearAlongASeamOpensItThereAndNowhereElse) {
 }
 
 TEST(SeamDamage, ATearAcrossASeamLeavesItToTheCrack) {
-  Stitched s = halves(0);
+  Stitched s = turned_halves(0);
   SeamDamage damage = watched(s);
-  for (const int k : {0, 1}) spend(s, k, 1.0, 0.12, 0.18);
+  for (const int k : {0, 1}) spend_near_seam(s, k, 1.0, 0.12, 0.18);
   EXPECT_FALSE(damage.open(s.refs(), s.seams(), s.stitching()));
   EXPECT_FALSE(s.stitching().parted());
 }
 
 TEST(SeamDamage, ATearAlongAllOfItPartsTheShells) {
   for (const int turns : {0, 3}) {
-    Stitched s = halves(turns);
+    Stitched s = turned_halves(turns);
     SeamDamage damage = watched(s);
-    spend(s, 1, s.model(1).spacing, -1.0, 1.0);
+    spend_near_seam(s, 1, s.model(1).spacing, -1.0, 1.0);
     EXPECT_TRUE(damage.open(s.refs(), s.seams(), s.stitching()));
     int links = 0;
     s.stitching().each_link([&](int, int, int, int) { ++links; });
@@ -88,10 +88,10 @@ TEST(SeamDamage, ATearAlongAllOfItPartsTheShells) {
 }
 
 TEST(SeamDamage, WhatHasHealedAndOtherShellsAreLeftAlone) {
-  Stitched s = halves(0);
+  Stitched s = turned_halves(0);
   SeamDamage damage = watched(s), deaf(s.seams(), {&s.model(0), &s.model(1)}, {0.0, 0.0});
   EXPECT_TRUE(deaf.empty());
-  spend(s, 0, s.model(0).spacing, 0.05, 0.25);
+  spend_near_seam(s, 0, s.model(0).spacing, 0.05, 0.25);
   for (PointDamage& d : s.state(0).cracked.damage) d.now.fill(0.0f);
   EXPECT_FALSE(damage.open(s.refs(), s.seams(), s.stitching()));
 }

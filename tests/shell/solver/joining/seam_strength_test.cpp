@@ -11,8 +11,8 @@ using namespace sunder::shell;
 
 namespace {
 
-constexpr double kStrength = 1e5;  // [N/m]
-constexpr double kRise = 4e-3;     // of the load: a dozen periods of the slowest stretching
+constexpr double kSeamStrength = 1e5;  // [N/m]
+constexpr double kRise = 4e-3;         // of the load: a dozen periods of the slowest stretching
 
 /// Two halves of a strip along x, the left one clamped; its right end is pulled with a force a length that rises.
 RunSetup pulled(const Vec3& pull, Join join, int right_rows, double strength) {
@@ -33,13 +33,13 @@ RunSetup pulled(const Vec3& pull, Join join, int right_rows, double strength) {
 
 /// Force a length at which the seam opens, as a share of its strength; 0: it holds.
 double opens_at(double pull, Join join, int right_rows) {
-  Rig rig(pulled(Vec3(pull, 0, 0), join, right_rows, kStrength));
+  Rig rig(pulled(Vec3(pull, 0, 0), join, right_rows, kSeamStrength));
   constexpr double kStep = 1e-6;
   double at = 0.0;
   rig.simulation().state.shells[0].state->motion.time = 0.0;
   rig.run(static_cast<int>(1.2 * kRise / kStep), kStep, [&] {
     const double time = rig.state(1).motion.time;
-    if (at == 0.0 && rig.now().stitching.parted()) at = pull / kStrength * std::min(1.0, time / kRise);
+    if (at == 0.0 && rig.now().stitching.parted()) at = pull / kSeamStrength * std::min(1.0, time / kRise);
   });
   return at;
 }
@@ -51,13 +51,13 @@ TEST(SeamStrength, OpensAtItsForce) {
   for (const Join join : {Join::kClamped, Join::kHinge})
     for (const int rows : {4, 8, 6}) {
       SCOPED_TRACE(rows);
-      EXPECT_EQ(opens_at(0.95 * kStrength, join, rows), 0.0);
-      EXPECT_NEAR(opens_at(1.5 * kStrength, join, rows), 1.0, 0.05);
+      EXPECT_EQ(opens_at(0.95 * kSeamStrength, join, rows), 0.0);
+      EXPECT_NEAR(opens_at(1.5 * kSeamStrength, join, rows), 1.0, 0.05);
     }
 }
 
 TEST(SeamStrength, ASeamThatHasOpenedLetsTheShellsGo) {
-  Rig rig(pulled(Vec3(3 * kStrength, 0, 0), Join::kClamped, 4, kStrength));
+  Rig rig(pulled(Vec3(3 * kSeamStrength, 0, 0), Join::kClamped, 4, kSeamStrength));
   rig.run(2000, 2e-6);
   int links = 0;
   rig.now().stitching.each_link([&](int, int, int, int) { ++links; });
@@ -69,7 +69,8 @@ TEST(SeamStrength, ASeamThatHasOpenedLetsTheShellsGo) {
 }
 
 TEST(SeamStrength, IsAskedForBySeam) {
-  Rig with(pulled(Vec3(1, 0, 0), Join::kClamped, 4, kStrength)), without(pulled(Vec3(1, 0, 0), Join::kClamped, 4, 0.0));
+  Rig with(pulled(Vec3(1, 0, 0), Join::kClamped, 4, kSeamStrength)),
+      without(pulled(Vec3(1, 0, 0), Join::kClamped, 4, 0.0));
   EXPECT_FALSE(with.now().seam_strength.empty());
   EXPECT_TRUE(without.now().seam_strength.empty());
 }

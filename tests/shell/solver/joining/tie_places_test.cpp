@@ -43,7 +43,7 @@ double off_whole(const Seam& seam, const std::vector<Hat>& hats, const std::vect
   return most;
 }
 
-ShellModel model(const Patch& p, const std::vector<Vec2>& ring) {
+ShellModel trimmed_model(const Patch& p, const std::vector<Vec2>& ring) {
   const Patch own = with_parameters_as_lengths(p);
   return make_shell("p", p, 0.01, glass(), 2, p.degree(), {}, {},
                     TrimLoops(Vec2::Zero(), {own.knots_u.end(), own.knots_v.end()}, {{ring, false, {}}}));
@@ -99,7 +99,7 @@ TEST(TiePlaces, NothingIsTiedBetweenCracksThatMeet) {
 // A crack that ends on the border: functions on both of its sides have the places and tangents of the surface at rest,
 // and no control point of the other side.
 TEST(TiePlaces, FunctionsBesideACrackAreThoseOfTheSurface) {
-  Rig rig(setup_of({{model(flat(0, 1, 0, 1, 12, 12), {{0, 0}, {0.63, 0}, {0.55, 1}, {0, 1}, {0, 0}})}}));
+  Rig rig(setup_of({{trimmed_model(flat(0, 1, 0, 1, 12, 12), {{0, 0}, {0.63, 0}, {0.55, 1}, {0, 1}, {0, 0}})}}));
   const ShellModel& m = rig.model();
   insert_polyline(m, rig.state(), {{0.2, 0.5}, {0.59, 0.5}}, 0.0);
   int changed = 0;
@@ -128,7 +128,7 @@ TEST(TiePlaces, FunctionsBesideACrackAreThoseOfTheSurface) {
 }
 
 TEST(TiePlaces, WhatHasLeftBearsNothing) {
-  Rig rig(setup_of({{model(flat(0, 1, 0, 1, 12, 12), {{0, 0}, {0.6, 0}, {0.6, 1}, {0, 1}, {0, 0}})}}));
+  Rig rig(setup_of({{trimmed_model(flat(0, 1, 0, 1, 12, 12), {{0, 0}, {0.6, 0}, {0.6, 1}, {0, 1}, {0, 0}})}}));
   std::fill(rig.state().motion.detached.begin(), rig.state().motion.detached.end(), 1);
   EXPECT_TRUE(place_functions(rig.model(), rig.state(), {0.6, 0.5}, {-1.0, 0.0}).functions.empty());
 }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kCross = 0.52;  // height at which cracks meet the seam
 
-ShellModel piece(const Patch& p, const std::vector<Vec2>& ring) {
+ShellModel trimmed_piece(const Patch& p, const std::vector<Vec2>& ring) {
   const Patch own = with_parameters_as_lengths(p);
   return make_shell("p", p, 0.01, glass(), 2, p.degree(), {}, {},
                     TrimLoops(Vec2::Zero(), {own.knots_u.end(), own.knots_v.end()}, {{ring, false, {}}}));
@@ -30,8 +30,8 @@ Stitched plates(int times) {
   std::vector<Vec2> ring{{0.15, 0}, {0.7, 0}, {0.7, 1}, {0.25, 1}, {0.15, 0}};
   for (int k = 0; k < times; ++k)  // u' = v, v' = high - u
     for (Vec2& p : ring) p = Vec2(p.y(), (k % 2 == 0 ? 0.7 : 1.0) - p.x());
-  return Stitched(
-      {piece(flat(0, 0.8, 0, 1, 8, 10), {{0, 0}, {0.45, 0}, {0.55, 1}, {0, 1}, {0, 0}}), piece(right, ring)});
+  return Stitched({trimmed_piece(flat(0, 0.8, 0, 1, 8, 10), {{0, 0}, {0.45, 0}, {0.55, 1}, {0, 1}, {0, 0}}),
+                   trimmed_piece(right, ring)});
 }
 
 double seam_at(double y) { return 0.45 + 0.1 * y; }
