@@ -71,6 +71,14 @@ class Stills(OfARun):
                 self.assertGreater((np.abs(one - other).max(axis=2) > 10).mean(), 0.01)
         self.assertEqual([p.name for p in (self.folder / "stills").iterdir()], ["still_000004.png"])
 
+    def test_an_azimuth_may_be_negative(self) -> None:
+        pictures = [self.render(*a) for a in (("--view", "-90,20"), ("--view=-90,20",), ("--view", "270,20"))]
+        np.testing.assert_array_equal(pictures[0], pictures[1])
+        np.testing.assert_array_equal(pictures[0], pictures[2])
+        status, said = self.sunder("render", "--zoom", "-2")
+        self.assertEqual(status, 2)
+        self.assertRegex(said, "--zoom: '-2' is not a number")
+
     def test_colours_of_a_quantity_have_a_bar_with_title_unit_and_ends(self) -> None:
         words: list[str] = []
         bars: list[tuple[str, ...]] = []

@@ -5,6 +5,7 @@ import argparse
 import importlib
 import os
 import pkgutil
+import re
 import signal
 import sys
 from types import FrameType, ModuleType
@@ -44,12 +45,25 @@ def make_parser(commands: dict[str, ModuleType]) -> tuple[Parser, dict[str, Pars
     return parser, subparsers.choices
 
 
+def with_negative_values(arguments: list[str]) -> list[str]:
+    """Joins an option and a value that begins with a minus, as --view -90,89, which argparse would take for an option."""
+    joined: list[str] = []
+    for argument in arguments:
+        before = joined[-1] if joined else ""
+        if "--" not in joined and before.startswith("--") and "=" not in before and re.match(r"-\.?[0-9]", argument):
+            joined[-1] = f"{before}={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
 def _dispatch(arguments: list[str], packages: Sequence[str]) -> int:
     commands = subcommands(packages)
     parser, of_command = make_parser(commands)
     if not arguments:
         parser.print_help(sys.stderr)
         return BAD_INPUT
+    arguments = with_negative_values(arguments)
     name, rest = arguments[0], arguments[1:]
     if name.startswith("-"):
         parser.check_options(arguments)
