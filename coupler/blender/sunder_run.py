@@ -1,8 +1,9 @@
 """Blender add-on: File > Import > Sunder run. Reads a run folder into named objects with keyframes.
 
 An empty for each piece (pane_piece_17) and body, with its place over time, in a collection for its shell; meshes under it,
-with shape keys where they bend, material slots outside, inside and edge, and attributes `rest_position` and `damage`. Crack
-lines are edges with an attribute `born`, in film frames. Sizes are metres, z is up, frame 0 is the first of the run.
+with shape keys where they bend, material slots outside, inside and edge, a UV map of the shell's parameters, and attributes
+`rest_position`, `damage` and `run_velocity` [m/s]. Crack lines are edges with an attribute `born`, in film frames. Sizes are
+metres, z is up, frame 0 is the first of the run.
 
 The reader is the project's (sunder_tools.pictures), found in the checkout that holds this file, in the folder that the
 preferences of the add-on name, or where `pip install` has put it. It needs numpy only, which Blender has.
@@ -108,8 +109,14 @@ def _add_shape(name: str, shape: Any, parent: Any, collection: Any, at: np.ndarr
     mesh.polygons.foreach_set("material_index", which)
     mesh.polygons.foreach_set("use_smooth", np.ones(count, bool))
     mesh.update(calc_edges=True)
+    if np.isfinite(shape.uv).all():
+        mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", _flat(shape.uv[corners.ravel()]))
     if np.isfinite(shape.rest).all():
         mesh.attributes.new("rest_position", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", _flat(shape.rest))
+    if shape.velocity:  # not named `velocity`: Cycles would blur all frames by this one
+        start = _flat(shape.velocity[0] + shape.drift[0])
+        mesh.attributes.new("run_velocity", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", start)
+    if np.isfinite(shape.damage).all():
         mesh.attributes.new("damage", "FLOAT", "POINT").data.foreach_set("value", _flat(shape.damage))
     if shape.rigid:  # its vertices are not shared: smoothness is in the normals
         mesh.normals_split_custom_set_from_vertices(shape.normals[0].tolist())

@@ -45,22 +45,23 @@ def read_pc2(raw: bytes) -> tuple[float, float, np.ndarray]:
 
 
 def read_obj(text: str) -> dict[str, Any]:
-    """`name`, points `v` (n, 3), normals `vn` (n, 3), and triangles (m, 3) from 0 by material in `f`."""
-    out: dict[str, Any] = {"v": [], "vn": [], "f": {}}
+    """`name`, points `v` (n, 3), normals `vn` (n, 3), texture coordinates `vt` (n, 2) where there are any, and triangles (m, 3)
+    from 0 by material in `f`."""
+    out: dict[str, Any] = {"v": [], "vn": [], "vt": [], "f": {}}
     material = ""
     for kind, *words in (line.split(" ") for line in text.splitlines() if not line.startswith("#")):
-        if kind in ("v", "vn"):
+        if kind in ("v", "vn", "vt"):
             out[kind].append([float(word) for word in words])
         elif kind == "f":
-            corners = [tuple(map(int, word.split("//"))) for word in words]
-            assert len(corners) == 3 and all(a == b >= 1 for a, b in corners)
-            out["f"].setdefault(material, []).append([a - 1 for a, _ in corners])
+            corners = [word.split("/") for word in words]  # point, texture, normal
+            assert len(corners) == 3 and all(a == c and b == (a if out["vt"] else "") for a, b, c in corners)
+            out["f"].setdefault(material, []).append([int(a) - 1 for a, _, _ in corners])
         elif kind == "usemtl":
             material, = words
         else:
             assert kind in ("o", "mtllib"), kind
             out["name" if kind == "o" else kind], = words
-    return {"v": np.array(out["v"]), "vn": np.array(out["vn"]), "name": out["name"], "mtllib": out["mtllib"],
+    return {"v": np.array(out["v"]), "vn": np.array(out["vn"]), "vt": np.array(out["vt"]), "name": out["name"], "mtllib": out["mtllib"],
             "f": {m: np.array(f) for m, f in out["f"].items()}}
 
 
@@ -84,7 +85,7 @@ def read_glb(raw: bytes) -> dict[str, dict[str, np.ndarray]]:
     def values(number: int) -> np.ndarray:
         accessor = content["accessors"][number]
         view = content["bufferViews"][accessor["bufferView"]]
-        width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
+        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}[accessor["type"]]
         array = np.frombuffer(blob, {5126: "<f4", 5125: "<u4"}[accessor["componentType"]], accessor["count"] * width,
                               view["byteOffset"])
         assert array.nbytes == view["byteLength"] and view["byteOffset"] % 4 == 0
@@ -129,7 +130,7 @@ class Animated:
     def values(self, number: int) -> np.ndarray:
         accessor = self.json["accessors"][number]
         view = self.json["bufferViews"][accessor["bufferView"]]
-        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[accessor["type"]]
         kind = {5126: "<f4", 5125: "<u4"}[accessor["componentType"]]
         return np.frombuffer(self._blob, kind, accessor["count"] * width, view["byteOffset"]).reshape(-1, width)
 

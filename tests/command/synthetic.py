@@ -35,7 +35,7 @@ def write_vtp(path: Path, points, triangles=(), segments=(), point_data=None, ce
 
     def data(section: str, arrays) -> str:
         body = "".join(array(n, v, "i8" if np.asarray(v).dtype.kind == "i" else floats,
-                             3 if np.ndim(v) == 2 else 1) for n, v in (arrays or {}).items())
+                             np.shape(v)[1] if np.ndim(v) == 2 else 1) for n, v in (arrays or {}).items())
         return f"<{section}>\n{body}</{section}>\n"
 
     points = np.asarray(points, float).reshape(-1, 3)

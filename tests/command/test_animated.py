@@ -124,6 +124,7 @@ class Parting(InAFolder):
     """A plate of two squares turns and flies; the right one parts from it at frame 2 and is a body from frame 3 on. The left
     one is a frozen body from frame FREEZES on."""
     SPIN, SPEED, STEP, THICK, FREEZES = 30.0, np.array([1.0, 0.5, -2.0]), 1e-3, 0.01, 6
+    SIDES = np.array([2.0, 1.0])  # of the plate [m]
 
     def setUp(self) -> None:
         super().setUp()
@@ -158,23 +159,31 @@ class Parting(InAFolder):
             rest, triangles, piece = np.concatenate([left, right]), np.concatenate([square, square + 4]), [1, 1, 2, 2]
         now, velocity = self.placed(rest, time)
         write_vtp(self.folder / f"frames/shell_{k}.vtp", now, triangles, floats="f8",
-                  point_data={"velocity": velocity, "displacement": now - rest},
+                  point_data={"velocity": velocity, "displacement": now - rest, "uv": rest[:, :2] / self.SIDES},
                   cell_data={"fragment": np.array(piece, float), "damage": np.zeros(len(piece)), "shell": np.zeros(len(piece))})
         leaving = [(2.0, 1.0, right)] if k >= 3 else []
         leaving += [(1.0, 3.0, left)] if k >= self.FREEZES else []
         points, faces, body, kind = [np.zeros((0, 3))], [np.zeros((0, 3), int)], [np.zeros(0)], [np.zeros(0)]
+        at_rest = [np.zeros((0, 3))]
         for number, sort, corners in leaving:
             faces.append(thick_square() + sum(map(len, points)))
             points.append(self.thick(corners, time))
+            at_rest.append(self.faces(corners))
             body.append(np.full(len(faces[-1]), number))
             kind.append(np.full(len(faces[-1]), sort))
+        rest = np.concatenate(at_rest)
         write_vtp(self.folder / f"frames/bodies_{k}.vtp", np.concatenate(points), np.concatenate(faces), floats="f8",
+                  point_data={"displacement": np.concatenate(points) - rest, "uv": rest[:, :2] / self.SIDES},
                   cell_data={"body": np.concatenate(body), "kind": np.concatenate(kind)})
 
     def thick(self, corners: np.ndarray, time: float) -> np.ndarray:
         """Points of both faces (2n, 3) [m] of a square, inside before outside."""
+        return self.placed(self.faces(corners), time)[0]
+
+    def faces(self, corners: np.ndarray) -> np.ndarray:
+        """The same at rest."""
         up = np.array([0, 0, 0.5 * self.THICK])
-        return self.placed(np.stack([corners - up, corners + up], axis=1).reshape(-1, 3), time)[0]
+        return np.stack([corners - up, corners + up], axis=1).reshape(-1, 3)
 
 
 def thick_square() -> np.ndarray:

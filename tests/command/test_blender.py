@@ -57,6 +57,9 @@ told["more"] = {{
     "collections": sorted(c.name for c in bpy.data.collections if c.name in ("pane", {name!r})),
     "rest": [min(v.vector[2] for v in rest), max(v.vector[2] for v in rest)],
     "damage": [v.value for v in one.data.attributes["damage"].data][:1],
+    "places": [list(v.vector) for v in rest], "velocity": [list(v.vector) for v in one.data.attributes["run_velocity"].data],
+    "uv": [[list(rest[l.vertex_index].vector), list(u.uv)] for l, u in zip(one.data.loops, one.data.uv_layers["UVMap"].data)],
+    "shard": sorted(bpy.data.objects["pane_piece_2_shape_1"].data.attributes.keys()),
     "born": [v.value for v in cracks.attributes["born"].data], "transmission": glass[words[0]].default_value}}
 told["refused"] = ""
 try:
@@ -103,6 +106,10 @@ class Blender(Parting):
         self.assertEqual((more["fps"], more["keys"]), (24, ["Basis", "step_1", "step_2"]))
         self.assertEqual(more["collections"], sorted(["pane", self.folder.name]))
         np.testing.assert_allclose(more["rest"], [-0.5 * self.THICK, 0.5 * self.THICK], atol=1e-9)
+        np.testing.assert_allclose(more["velocity"], self.placed(np.array(more["places"]), 0.0)[1], atol=1e-4)
+        rest, uv = (np.array([pair[k] for pair in more["uv"]]) for k in (0, 1))
+        np.testing.assert_allclose(uv, rest[:, :2] / self.SIDES, atol=1e-6)
+        self.assertTrue({"rest_position"} <= set(more["shard"]) and not {"damage", "run_velocity"} & set(more["shard"]))
         np.testing.assert_allclose(more["born"], [1.5], atol=1e-6)
         self.assertEqual((more["transmission"], more["damage"]), (1.0, [0.0]))
         self.assertGreater(more["gltf"], 3)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .glb import INDICES, VERTICES, Glb, upright
+from .glb import INDICES, VERTICES, Glb, texture, upright
 from .story import Shape, Thing
 
 
@@ -45,9 +45,14 @@ def _mesh(out: Glb, name: str, shape: Shape) -> int:
         base, normal = shape.points[0][mine], shape.normals[0][mine]
         attributes = {"POSITION": out.accessor(upright(base), "VEC3", VERTICES, True),
                       "NORMAL": out.accessor(upright(normal), "VEC3", VERTICES)}
-        if not shape.rigid or np.isfinite(shape.rest[mine]).all():
-            attributes["_REST"] = out.accessor(upright(np.nan_to_num(shape.rest[mine])), "VEC3", VERTICES)
+        if np.isfinite(shape.uv[mine]).all():
+            attributes["TEXCOORD_0"] = out.accessor(texture(shape.uv[mine]), "VEC2", VERTICES)
+        if np.isfinite(shape.rest[mine]).all():
+            attributes["_REST"] = out.accessor(upright(shape.rest[mine]), "VEC3", VERTICES)
+        if np.isfinite(shape.damage[mine]).all():
             attributes["_DAMAGE"] = out.accessor(shape.damage[mine].astype("<f4"), "SCALAR", VERTICES)
+        if shape.velocity:
+            attributes["_VELOCITY"] = out.accessor(upright(shape.velocity[0][mine] + shape.drift[0]), "VEC3", VERTICES)
         primitive = {"attributes": attributes, "material": out.material(slot.material, slot.colour),
                      "indices": out.accessor(slot.triangles.astype("<u4").ravel(), "SCALAR", INDICES)}
         if not shape.rigid:

@@ -163,7 +163,10 @@ class Interval:
         for mine, turn, way in moves:
             middle = points[mine].mean(axis=0)
             points[mine] = (points[mine] - middle) @ share_of_turn(turn, share).T + middle + share * way
-        return replace(bodies, points=points)
+        data = dict(bodies.point_data)
+        if "displacement" in data:
+            data["displacement"] = data["displacement"] + points - bodies.points
+        return replace(bodies, points=points, point_data=data)
 
     def soft_at(self, share: float) -> PolyData | None:
         """Returns the particles after this share of the interval. Raises VtpError, OSError."""

@@ -6,9 +6,10 @@ PLY (binary): x, y, z [m] and vx, vy, vz [m/s] per vertex; fragment (id of the p
 part (number of the shell; -1 for bodies), body (its number, for a shard that of its piece; -1 for the shell), kind
 (0 moving, 1 shard, 2 static, 3 frozen; -1 for the shell) and side (0 outside, 1 inside, 2 edge of a sheet; -1 otherwise)
 per face. z is up.
+s and t per vertex are the parameters on the shell, 0 to 1; 0 for what was never one.
 glTF (binary, .glb): a node per shell, the shards, and each body of the scene, y up as the format asks, with the materials
 of the scene, of sheets one for each side; _VELOCITY, _FRAGMENT and _DAMAGE per vertex, for which faces have vertices of
-their own.
+their own. What is or was a shell has _REST, the place at rest, and TEXCOORD_0, the parameters.
 """
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ from ..errors import DONE
 from ..report.scene_text import Words, known_words
 from .between import film_frames
 from .frames import FROZEN, SHARD
-from .glb import INDICES, VERTICES, Glb, upright
+from .glb import INDICES, VERTICES, Glb, texture, upright
 from .look import origins
 from .materials import STEEL, material_of_shards, material_of_shell, name_and_material_of_body, slot_name
 from .mesh import Mesh, mesh_of
@@ -34,9 +35,10 @@ TIMES = "frame_times.csv"
 
 def ply_bytes(mesh: Mesh, time_s: float) -> bytes:
     """Writes a binary PLY."""
-    vertex = np.zeros(len(mesh.points), [(n, "<f4") for n in ("x", "y", "z", "vx", "vy", "vz")])
+    vertex = np.zeros(len(mesh.points), [(n, "<f4") for n in ("x", "y", "z", "vx", "vy", "vz", "s", "t")])
     for axis in range(3):
         vertex["xyz"[axis]], vertex["v" + "xyz"[axis]] = mesh.points[:, axis], mesh.velocity[:, axis]
+    vertex["s"], vertex["t"] = np.nan_to_num(mesh.uv).T
     face = np.zeros(len(mesh.triangles), [("corners", "u1"), ("vertex_indices", "<i4", 3), ("fragment", "<i4"), ("damage", "<f4"),
                                           ("part", "<i4"), ("body", "<i4"), ("kind", "<i4"), ("side", "<i4")])
     face["corners"], face["vertex_indices"] = 3, mesh.triangles
@@ -63,6 +65,10 @@ def _add(out: Glb, name: str, mesh: Mesh, normals: np.ndarray, which: np.ndarray
             "_VELOCITY": out.accessor(upright(mesh.velocity[corners]), "VEC3", VERTICES),
             "_FRAGMENT": out.accessor(np.repeat(mesh.fragment[mine], 3).astype("<f4"), "SCALAR", VERTICES),
             "_DAMAGE": out.accessor(np.repeat(mesh.damage[mine], 3).astype("<f4"), "SCALAR", VERTICES)}
+        if np.isfinite(mesh.uv[corners]).all():
+            attributes["TEXCOORD_0"] = out.accessor(texture(mesh.uv[corners]), "VEC2", VERTICES)
+        if np.isfinite(mesh.rest[corners]).all():
+            attributes["_REST"] = out.accessor(upright(mesh.rest[corners]), "VEC3", VERTICES)
         primitives.append({"attributes": attributes, "material": out.material(slot_name(of, int(side)), colour),
                            "indices": out.accessor(np.arange(len(corners), dtype="<u4"), "SCALAR", INDICES)})
     out.show(out.node(name, mesh=out.add("meshes", {"name": name, "primitives": primitives})))

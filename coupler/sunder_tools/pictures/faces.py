@@ -8,7 +8,7 @@ import numpy as np
 
 from ..report.scene_text import Words
 from .materials import material_of_shell, slot_name
-from .thick import EDGE, INSIDE, OTHER, OUTSIDE, border, vertex_normals
+from .thick import EDGE, INSIDE, OTHER, OUTSIDE, border, normal_rates, vertex_normals
 
 Colour = tuple[float, ...]
 
@@ -47,12 +47,28 @@ def faces(points: np.ndarray, triangles: np.ndarray, part: np.ndarray, half: np.
     return np.concatenate(places), normal
 
 
+def face_velocities(points: np.ndarray, velocity: np.ndarray, triangles: np.ndarray, part: np.ndarray,
+                    half: np.ndarray) -> np.ndarray:
+    """Returns velocities [m/s] of the vertices that `faces` makes, from those of points (n, 3)."""
+    out = []
+    for _, used, mine in _parts(triangles, part):
+        own = velocity[used]
+        if not len(half):
+            out.append(own)
+            continue
+        way = half[used, None] * normal_rates(points[used], own, mine)
+        a, b = border(mine)[0].T
+        out += [own + way, own - way,
+                np.stack([(own - way)[a], (own - way)[b], (own + way)[b], (own + way)[a]], axis=1).reshape(-1, 3)]
+    return np.concatenate(out)
+
+
 def over_faces(values: np.ndarray, triangles: np.ndarray, part: np.ndarray, thick: bool) -> np.ndarray:
-    """Returns values (n,) of points as values of the vertices that `faces` makes."""
+    """Returns values (n,) or (n, k) of points as values of the vertices that `faces` makes."""
     out = []
     for _, used, mine in _parts(triangles, part):
         own = values[used]
-        out += [own, own, own[border(mine)[0][:, [0, 1, 1, 0]]].ravel()] if thick else [own]
+        out += [own, own, own[border(mine)[0][:, [0, 1, 1, 0]].ravel()]] if thick else [own]
     return np.concatenate(out)
 
 

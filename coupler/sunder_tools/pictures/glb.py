@@ -16,6 +16,11 @@ def upright(points: np.ndarray) -> np.ndarray:
     return (points[..., Y_UP[0]] * Y_UP[1]).astype("<f4")
 
 
+def texture(uv: np.ndarray) -> np.ndarray:
+    """Turns parameters (n, 2) into texture coordinates of the format, whose v goes down."""
+    return np.column_stack([uv[:, 0], 1.0 - uv[:, 1]]).astype("<f4")
+
+
 class Glb:
     """Collects entries of a glTF; `packed` gives the file."""
 

@@ -8,6 +8,7 @@ import numpy as np
 from .frames import BODIES, CRACKS, FROZEN, MOVING, SHARD, SHELL, SOFT, STATIC, Frame
 from .ground import Ground
 from .look import Look, parts_of_bodies
+from .motion import reference_points as reference_points  # others import it from here
 from .motion import shell_velocity
 from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
 from .sheets import sheet_of, sides_of_pieces
@@ -93,12 +94,6 @@ def edges(triangles: np.ndarray, same: np.ndarray, labels: np.ndarray, normals: 
         turn = np.abs((normals[owner] * np.repeat(normals[owner[starts]], count, axis=0)).sum(axis=1))
         seen |= np.minimum.reduceat(turn, starts) < SHARP_COSINE
     return pairs[starts[seen]]
-
-
-def reference_points(mesh: PolyData) -> np.ndarray:
-    """Returns positions at rest [m], or the present ones where the file has no displacement."""
-    displacement = mesh.point_data.get("displacement")
-    return mesh.points if displacement is None or displacement.ndim != 2 else mesh.points - displacement
 
 
 def fragment_edges(mesh: PolyData) -> np.ndarray:

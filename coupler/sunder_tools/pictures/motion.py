@@ -13,6 +13,18 @@ def shell_velocity(mesh: PolyData) -> np.ndarray:
     return np.zeros_like(mesh.points) if velocity is None or velocity.ndim != 2 else velocity.astype(float)
 
 
+def reference_points(mesh: PolyData) -> np.ndarray:
+    """Returns positions at rest [m], or the present ones where the file has no displacement."""
+    displacement = mesh.point_data.get("displacement")
+    return mesh.points if displacement is None or displacement.ndim != 2 else mesh.points - displacement
+
+
+def parameters(mesh: PolyData) -> np.ndarray:
+    """Returns the parameters (n, 2) of points on their shell, 0 to 1, NaN where an older frame has none."""
+    uv = mesh.point_data.get("uv")
+    return np.full((len(mesh.points), 2), np.nan) if uv is None or uv.ndim != 2 else uv.astype(float)
+
+
 def body_velocity(frames: list[Frame], k: int) -> np.ndarray:
     """Returns velocities (n, 3) [m/s] of bodies' points in frame k; (0, 3) where there are none. Raises VtpError,
     OSError.

@@ -3,6 +3,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import BAD_INPUT, DONE, CommandError
 from ..report.scene_text import known_words
 from .animated import animated_glb
@@ -32,7 +34,7 @@ def export_one(folder: Path, kind: str, target: Path, spec: str | None, fps: flo
         if kind == CACHES:
             write_caches(target, things, len(frames), _put)
         elif kind == "usd":
-            _put(target, usda_text(things, times, fps or FPS, speed).encode("ascii"))
+            _put(target, usda_text(things, times, fps or FPS, speed, np.array([frame.time_s for frame in frames])).encode("ascii"))
         else:
             extras = {"fps": fps or FPS, "speed": speed, "times_s": [frame.time_s for frame in frames]}
             _put(target, animated_glb(things, times, extras))

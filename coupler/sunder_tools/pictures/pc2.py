@@ -87,9 +87,13 @@ def obj_text(cache: Cache) -> str:
     lines = [f"# sunder export: frame {shape.first}, metres, y up", f"mtllib {MATERIALS}", f"o {cache.name}"]
     lines += ["v {:.9g} {:.9g} {:.9g}".format(*point) for point in points]
     lines += ["vn {:.6g} {:.6g} {:.6g}".format(*normal) for normal in upright(shape.normals[0] @ turn.T)]
+    textured = np.isfinite(shape.uv).all()
+    if textured:
+        lines += ["vt {:.7g} {:.7g}".format(*uv) for uv in shape.uv]
+    face = "f {0}/{0}/{0} {1}/{1}/{1} {2}/{2}/{2}" if textured else "f {0}//{0} {1}//{1} {2}//{2}"
     for slot in shape.slots:
         lines.append(f"usemtl {_word(slot.material)}")
-        lines += ["f {0}//{0} {1}//{1} {2}//{2}".format(*corners) for corners in 1 + slot.first + slot.triangles]
+        lines += [face.format(*corners) for corners in 1 + slot.first + slot.triangles]
     return "\n".join(lines) + "\n"
 
 

@@ -13,12 +13,12 @@ import numpy as np
 
 from ..report.scene_text import Words
 from .between import RIGID, centre_of_sheet, ends
-from .faces import Slot, faces, over_faces, slots_of
+from .faces import Slot, face_velocities, faces, over_faces, slots_of
 from .frames import BODIES, FROZEN, SHARD, SHELL, SOFT, Frame
 from .materials import STEEL, material_of_shards, name_and_material_of_body, slot_name
 from .mesh import part_of_points, thickness_of_points
-from .meshes import reference_points, weld
-from .motion import by_body
+from .meshes import weld
+from .motion import by_body, parameters, reference_points
 from .rigid import centre_of_mass, fit, quaternion, turn_of
 from .soft import RUBBER, balls
 from .thick import EDGE, INSIDE, OTHER, OUTSIDE, corner_normals, sides_of_sheet_body, vertex_normals
@@ -40,7 +40,11 @@ class Shape:
     points: list[np.ndarray]   # (n, 3) each
     normals: list[np.ndarray]  # (n, 3) each
     rest: np.ndarray           # (n, 3) [m] in the world, NaN where there is none
-    damage: np.ndarray         # (n,) in the first frame
+    damage: np.ndarray         # (n,) in the first frame, NaN where there is none
+    uv: np.ndarray             # (n, 2) parameters of the shell, 0 to 1, NaN where there are none
+    # [m/s] of the run, an entry for each of `points`; none where the shape is rigid or frames have no velocity:
+    velocity: list[np.ndarray] = field(default_factory=list)  # (n, 3) each, against the centre
+    drift: list[np.ndarray] = field(default_factory=list)     # (3,) of the centre
     state: tuple[object, ...] = ()  # what decides whether the next frame has the same triangles
 
     @property
@@ -93,7 +97,9 @@ class _Sheets:
         shell = self.shell
         if shell is None or not len(shell.triangles):
             return
-        self.rest, self.part = reference_points(shell), part_of_points(shell)
+        self.rest, self.part, self.uv = reference_points(shell), part_of_points(shell), parameters(shell)
+        velocity = shell.point_data.get("velocity")
+        self.velocity = velocity if velocity is not None and velocity.ndim == 2 else None
         self.size = size or float(np.ptp(self.rest, axis=0).max()) or 1.0
         thick = thickness_of_points(shell, thickness)
         self._half = None if thick is None else 0.5 * thick
@@ -150,8 +156,8 @@ class Story:
         self._end_shapes(k, now, bodies, moving)
         for key in now.pieces:
             self._bend(k, key, now)
-        for key, points, triangles, kind in moving:
-            self._move(k, key, points, triangles, kind)
+        for key, points, triangles, kind, places in moving:
+            self._move(k, key, points, triangles, kind, places)
         seen = {*now.pieces, *(key for key, *_ in moving)}
         if soft is not None and len(soft.points):
             seen |= self._soften(k, soft)
@@ -169,7 +175,7 @@ class Story:
         if not ending:
             return
         arriving = ends(before.shell, now.shell, bodies, now.time_s - before.time_s)
-        centres = {key: centre_of_mass(points, triangles) for key, points, triangles, _ in moving if key in ending}
+        centres = {key: centre_of_mass(points, triangles) for key, points, triangles, *_ in moving if key in ending}
         for key in ending:
             used, triangles, _ = before.pieces[key]
             if key in now.pieces:
@@ -179,6 +185,10 @@ class Story:
             there, shape = arriving[used], self._open.pop(key)
             centre = centres.get(key, centre_of_sheet(there, triangles, before.rest[used]))
             points, normals = faces(there, triangles, before.part[used], before.half(used))
+            seconds = now.time_s - before.time_s
+            if shape.velocity:  # on the way there
+                shape.drift.append((centre - self._things[key].centre[-1]) / seconds)
+                shape.velocity.append((points - centre - shape.points[-1]) / seconds)
             shape.points.append(points - centre)
             shape.normals.append(normals)
             self._things[key].place(k, centre)
@@ -211,16 +221,20 @@ class Story:
             shape.points.append(points - centre)
             shape.normals.append(normals)
             shape.last = k
-            return
-        rest, _ = faces(now.rest[used], triangles, part, half)
-        damage = over_faces(now.damage(key), triangles, part, len(half) > 0)
-        shape = Shape(slots_of(triangles, part, len(half) > 0, self._words), k, k, [points - centre], [normals], rest, damage,
-                      now.state(key))
-        thing.shapes.append(shape)
-        self._open[key] = shape
+        else:
+            rest, _ = faces(now.rest[used], triangles, part, half)
+            damage, uv = (over_faces(values, triangles, part, len(half) > 0) for values in (now.damage(key), now.uv[used]))
+            shape = Shape(slots_of(triangles, part, len(half) > 0, self._words), k, k, [points - centre], [normals], rest,
+                          damage, uv, state=now.state(key))
+            thing.shapes.append(shape)
+            self._open[key] = shape
+        if now.velocity is not None:
+            moving = now.velocity[used]
+            shape.drift.append(centre_of_sheet(moving, triangles, now.rest[used]))  # as the centre follows from the points
+            shape.velocity.append(face_velocities(at, moving, triangles, part, half) - shape.drift[-1])
 
-    def _move(self, k: int, key: Key, points: np.ndarray, triangles: np.ndarray, kind: int) -> None:
-        """Adds a frame of a body."""
+    def _move(self, k: int, key: Key, points: np.ndarray, triangles: np.ndarray, kind: int, places: np.ndarray) -> None:
+        """Adds a frame of a body; `places` (n, 5): of its points at rest, and their parameters."""
         thing = self._thing(key, -1)
         shape, rigid = self._open.get(key), self._rigid.get(key)
         if shape is not None and rigid is not None and len(points) == len(rigid.points) and np.array_equal(
@@ -251,8 +265,9 @@ class Story:
                 first += 3 * len(mine)
         which = np.concatenate(order)
         corners = (points[triangles[which]].reshape(-1, 3) - centre) @ base
-        shape = Shape(slots, k, k, [corners], [normals[which].reshape(-1, 3) @ base], np.full((len(corners), 3), np.nan),
-                      np.zeros(len(corners)))
+        of_corners = places[triangles[which]].reshape(-1, 5)
+        shape = Shape(slots, k, k, [corners], [normals[which].reshape(-1, 3) @ base], of_corners[:, :3],
+                      np.full(len(corners), np.nan), of_corners[:, 3:])
         thing.shapes.append(shape)
         self._open[key] = shape
 
@@ -260,6 +275,8 @@ class Story:
         """Adds a frame of all soft bodies, and returns which they are."""
         seen: set[Key] = set()
         points, triangles, particle, _ = balls(soft)
+        velocity = np.zeros_like(points)
+        velocity[triangles.ravel()] = np.repeat(soft.point_data["velocity"][particle], 3, axis=0)
         body = soft.point_data["soft_body"][particle].astype(int)
         for one in np.unique(body):
             key, mine = ("soft", int(one)), triangles[body == one]
@@ -277,18 +294,22 @@ class Story:
             else:
                 name = f"soft_{one}"
                 shape = Shape([Slot(name, tuple(RUBBER[one % len(RUBBER)]), 0, len(at), local)], k, k, [at - centre], [normals],
-                              np.full((len(at), 3), np.nan), np.zeros(len(at)), state)
+                              np.full((len(at), 3), np.nan), np.full(len(at), np.nan), np.full((len(at), 2), np.nan), state=state)
                 thing.shapes.append(shape)
                 self._open[key] = shape
+            moving = velocity[used]
+            shape.drift.append(moving.mean(axis=0))
+            shape.velocity.append(moving - shape.drift[-1])
             seen.add(key)
         return seen
 
 
-_Moving = tuple[Key, np.ndarray, np.ndarray, int]
+_Moving = tuple[Key, np.ndarray, np.ndarray, int, np.ndarray]
 
 
 def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
-    """Yields the key, points, triangles (from these points) and kind of each body."""
+    """Yields the key, points, triangles (from these points) and kind of each body. Also of its points the place at rest and the
+    parameters (n, 5), NaN where it was no piece of a shell."""
     if bodies is None or not len(bodies.triangles):
         return
     body, kind = bodies.of_triangles("body", 0).astype(np.int64), bodies.of_triangles("kind", 0).astype(int)
@@ -296,11 +317,15 @@ def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
     values, starts = np.unique(body[order], return_index=True)
     number = np.zeros(len(bodies.points), np.int64)
     points = by_body(bodies)
+    places = np.column_stack([reference_points(bodies), parameters(bodies)])
+    if "displacement" not in bodies.point_data:
+        places[:] = np.nan
     for one, which in zip(values, np.split(order, starts[1:])):
         mine, sort = points[int(one)], int(kind[which[0]])
         number[mine] = np.arange(len(mine))
-        yield (("piece" if sort in (SHARD, FROZEN) else "body", int(one)), bodies.points[mine], number[bodies.triangles[which]],
-               sort)
+        piece = sort in (SHARD, FROZEN)
+        yield ("piece" if piece else "body", int(one)), bodies.points[mine], number[bodies.triangles[which]], sort, (
+            places[mine] if piece else np.full((len(mine), 5), np.nan))
 
 
 def story_of(frames: list[Frame], words: Words, part_of: dict[int, int], middle: bool = False,

@@ -17,6 +17,18 @@ def vertex_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
 
 
+def normal_rates(points: np.ndarray, velocity: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Returns how fast `vertex_normals` turn (n, 3) [1/s] where points have these velocities (n, 3) [m/s]."""
+    corner, moving = points[triangles], velocity[triangles]
+    e, f = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    de, df = moving[:, 1] - moving[:, 0], moving[:, 2] - moving[:, 0]
+    sums, rates = (np.stack([np.bincount(triangles.ravel(), np.repeat(of[:, axis], 3), len(points)) for axis in range(3)], 1)
+                   for of in (np.cross(e, f), np.cross(de, f) + np.cross(e, df)))
+    length = np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
+    unit = sums / length
+    return (rates - unit * (unit * rates).sum(axis=1, keepdims=True)) / length
+
+
 def border(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Returns edges (k, 2) of one triangle only, in its direction, and that triangle (k,)."""
     pairs = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)

@@ -84,9 +84,15 @@ class _Text:
         self.add("}")
 
 
-def usda_text(things: list[Thing], times: np.ndarray, fps: float, speed: float | None) -> str:
-    """Writes a stage. `times` (n,) [s] of the film are those of all frames; a time code is a picture."""
+def usda_text(things: list[Thing], times: np.ndarray, fps: float, speed: float | None,
+              run_times: np.ndarray | None = None) -> str:
+    """Writes a stage. `times` (n,) [s] of the film are those of all frames, `run_times` those of the run; a time code is a
+    picture. Velocities are of the film, as the format has it."""
     codes = times * fps
+    rates = np.full(len(times), speed or 1.0)
+    if speed is None and run_times is not None and len(times) > 1:
+        rates = np.diff(run_times) / np.diff(times)
+        rates = np.append(rates, rates[-1])
     out = _Text()
     told = "a picture is a frame of the run" if speed is None else f"time runs {_number(speed)} times as fast as in the run"
     out.lines += ["#usda 1.0", "(", TAB + 'defaultPrim = "run"',
@@ -103,7 +109,7 @@ def usda_text(things: list[Thing], times: np.ndarray, fps: float, speed: float |
             out.open("Xform", identifier(group, taken))
         for thing in things:
             if thing.group == group:
-                _thing(out, identifier(thing.name, inside), thing, codes, materials)
+                _thing(out, identifier(thing.name, inside), thing, codes, materials, rates)
         if group:
             out.close()
     out.close()
@@ -137,7 +143,7 @@ def _linear(colour: tuple[float, ...]) -> list[float]:
     return [round(float(c) ** 2.2, 4) for c in colour[:3]]
 
 
-def _thing(out: _Text, name: str, thing: Thing, codes: np.ndarray, materials: dict[str, str]) -> None:
+def _thing(out: _Text, name: str, thing: Thing, codes: np.ndarray, materials: dict[str, str], rates: np.ndarray) -> None:
     out.open("Xform", name)
     at = _plain(codes[thing.keys])
     centres = [f"({', '.join(_number(x) for x in centre)})" for centre in thing.centre]
@@ -149,7 +155,7 @@ def _thing(out: _Text, name: str, thing: Thing, codes: np.ndarray, materials: di
         ops.append('"xformOp:orient"')
     out.add(f"uniform token[] xformOpOrder = {_list(ops)}")
     for number, shape in enumerate(thing.shapes):
-        _mesh(out, f"shape_{number}", shape, codes, materials)
+        _mesh(out, f"shape_{number}", shape, codes, materials, rates)
     out.close()
 
 
@@ -158,7 +164,7 @@ def _constant(values: list[str]) -> list[str]:
     return values[:1] if len(set(values)) == 1 else values
 
 
-def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dict[str, str]) -> None:
+def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dict[str, str], rates: np.ndarray) -> None:
     at = _plain(codes[shape.first:shape.first + len(shape.points)])
     corners = np.concatenate([slot.first + slot.triangles for slot in shape.slots])
     out.open("Mesh", name, 'prepend apiSchemas = ["MaterialBindingAPI"]')
@@ -168,6 +174,9 @@ def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dic
     out.add(f"int[] faceVertexIndices = {_list(_plain(corners.ravel()))}")
     out.samples("float3[] extent", at, [_tuples(np.stack([p.min(axis=0), p.max(axis=0)])) for p in shape.points])
     out.samples("point3f[] points", at, [_tuples(p) for p in shape.points])
+    if shape.velocity:
+        each = rates[shape.first:shape.first + len(shape.velocity)]
+        out.samples("vector3f[] velocities", at, [_tuples(rate * v) for rate, v in zip(each, shape.velocity)])
     out.add('normal3f[] normals (interpolation = "vertex")')
     out.samples("normal3f[] normals", at, [_tuples(n) for n in shape.normals])
     colours = np.concatenate([np.tile(_linear(slot.colour), (len(slot.triangles), 1)) for slot in shape.slots])
@@ -180,6 +189,10 @@ def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dic
         out.add(f'float[] primvars:displayOpacity = {_list(_number(o) for o in opacity)} (interpolation = "uniform")')
     if np.isfinite(shape.rest).all():
         out.add(f'point3f[] primvars:rest = {_tuples(shape.rest)} (interpolation = "vertex")')
+    if np.isfinite(shape.uv).all():
+        pairs = ", ".join(f"({u:.8g}, {v:.8g})" for u, v in _plain(shape.uv))
+        out.add(f'texCoord2f[] primvars:st = [{pairs}] (interpolation = "vertex")')
+    if np.isfinite(shape.damage).all():
         out.add(f'float[] primvars:damage = {_list(_number(d) for d in _plain(shape.damage))} (interpolation = "vertex")')
     seen = [(0.0, '"invisible"')] if shape.first > 0 else []
     seen.append((float(codes[shape.first]), '"inherited"'))
