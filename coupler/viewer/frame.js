@@ -3,14 +3,15 @@
 const KINDS = { f4: Float32Array, i4: Int32Array, u4: Uint32Array };
 const STORED_BYTES = 300e6;
 
-/** Decodes a buffer to {time_s, origin, arrays: {name: typed array}}. Throws where it is too short. */
+/** Decodes a buffer to {time_s, origin, thickness_m, arrays: {name: typed array}}. Throws where it is too short. */
 export function decode(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
   const arrays = {};
   for (const [name, [kind, offset, count]] of Object.entries(header.arrays))
     arrays[name] = new KINDS[kind](buffer, 4 + length + offset, count);
-  return { time_s: header.time_s, origin: header.origin, arrays, bytes: buffer.byteLength };
+  const { time_s, origin, thickness_m } = header;
+  return { time_s, origin, thickness_m, arrays, bytes: buffer.byteLength };
 }
 
 export class FrameStore {

@@ -36,6 +36,8 @@ export class Picture {
     this.#queued = true;
     requestAnimationFrame(() => {
       this.#queued = false;
+      const towards = this.#camera.position.clone().sub(this.#controls.target).normalize();
+      for (const object of this.#shown.children) object.position.copy(towards).multiplyScalar(object.userData.lift ?? 0);
       this.#renderer.render(this.#scene, this.#camera);
       document.body.dataset.triangles = this.triangles; // read by tests of the page
     });
@@ -49,11 +51,12 @@ export class Picture {
     this.#shown.position.set(...frame.origin.map((v, axis) => v - this.#origin[axis]));
     const a = frame.arrays, { by, top, look } = options;
     if (a["shell.index"]) {
-      const normals = smoothNormals(a["shell.position"], a["shell.index"]);
+      const normals = a["shell.normal"];
+      const opacity = frame.thickness_m > 0 ? 1 - Math.sqrt(1 - look.glassOpacity) : look.glassOpacity; // of one of two faces
       const clear = by === "part" ? (t) => look.isGlass(a["shell.part"][t]) : () => false;
       const colour = shellColour(frame, by, top, look);
       this.#add(a["shell.position"], a["shell.index"], colour, normals, (t) => !clear(t), 1, options);
-      this.#add(a["shell.position"], a["shell.index"], colour, normals, clear, look.glassOpacity, options);
+      this.#add(a["shell.position"], a["shell.index"], colour, normals, clear, opacity, options);
     }
     if (a["bodies.index"]) {
       const kind = a["bodies.kind"], colour = bodyColour(frame, by, top, look);
@@ -62,7 +65,10 @@ export class Picture {
       if (options.fixed) mesh((t) => kind[t] === STATIC);
       if (options.bodies) this.#addLines(a.outlines, 0.35);
     }
-    if (options.lines) this.#addLines(a.cracks, 0.85);
+    if (options.lines) {
+      this.#addLines(a.cracks, 0.85);
+      this.#addLines(a.inner, 0.85, 0.55 * frame.thickness_m);
+    }
     this.redraw();
   }
 
@@ -82,6 +88,7 @@ export class Picture {
           if (normal) normal[at + axis] = normals[3 * point + axis];
         }
       }
+      if (normal) flatten(position, normal, 9 * n);
     });
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(position, 3));
@@ -95,11 +102,14 @@ export class Picture {
     this.#shown.add(new THREE.Mesh(geometry, material));
   }
 
-  #addLines(points, opacity) {
+  /** `lift` [m]: how far lines are drawn towards the eye. */
+  #addLines(points, opacity, lift = 0) {
     if (!points?.length) return;
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(points, 3));
-    this.#shown.add(new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: 0x0f1f29, transparent: true, opacity })));
+    const lines = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: 0x0f1f29, transparent: true, opacity }));
+    lines.userData.lift = lift;
+    this.#shown.add(lines);
   }
 
   /** Moves the camera so that the shell fills the picture; without a shell, all moving bodies do. */
@@ -149,18 +159,11 @@ export class Picture {
   }
 }
 
-/** Normals of points, weighted by area. The two sides of a crack have separate points, so cracks stay sharp. */
-function smoothNormals(points, index) {
-  const normals = new Float32Array(points.length);
-  const [a, b, c] = [0, 1, 2].map(() => new THREE.Vector3());
-  for (let t = 0; t < index.length; t += 3) {
-    a.fromArray(points, 3 * index[t]);
-    b.fromArray(points, 3 * index[t + 1]).sub(a);
-    c.fromArray(points, 3 * index[t + 2]).sub(a);
-    b.cross(c);
-    for (let corner = 0; corner < 3; corner++)
-      for (let axis = 0; axis < 3; axis++) normals[3 * index[t + corner] + axis] += b.getComponent(axis);
-  }
-  for (let i = 0; i < normals.length; i += 3) a.fromArray(normals, i).normalize().toArray(normals, i);
-  return normals;
+/** Gives the triangle at `first` its own normal where one of its corners has none: edges of sheets, and folds. */
+function flatten(position, normal, first) {
+  const corners = [0, 3, 6].map((k) => new THREE.Vector3().fromArray(normal, first + k));
+  if (corners.every((n) => n.lengthSq() > 0.25)) return;
+  const [a, b, c] = [0, 3, 6].map((k) => new THREE.Vector3().fromArray(position, first + k));
+  const own = b.sub(a).cross(c.sub(a)).normalize();
+  for (const k of [0, 3, 6]) own.toArray(normal, first + k);
 }

@@ -106,6 +106,35 @@ class Served(InAFolder):
                 places = array(f"{name}.position").reshape(-1, 3) + np.array(header["origin"])
                 np.testing.assert_allclose(places, mesh.points, atol=1e-7)  # single precision of half a metre
 
+    def test_a_shell_has_its_thickness(self) -> None:
+        """The page gets a closed surface with the volume of the sheet; where it is flat it has no normals."""
+        thickness = 0.004
+        (self.folder / SCENE_COPY).write_text(
+            f'materials {{ name: "glass" density: 2500 }} shells {{ name: "pane" material: "glass" thickness_m: {thickness} }}')
+        frames = list_frames(self.folder)
+        for k in (0, 4):
+            _, packed, _ = self.get(f"/frame/{k}")
+            length, = struct.unpack_from("<I", packed)
+            header = json.loads(packed[4:4 + length])
+            arrays = {name: np.frombuffer(packed, "<" + kind, count, 4 + length + offset)
+                      for name, (kind, offset, count) in header["arrays"].items()}
+            self.assertEqual(header["thickness_m"], thickness)
+            corner = arrays["shell.position"].reshape(-1, 3)[arrays["shell.index"].reshape(-1, 3)].astype(float)
+            shell = frames[k].read(SHELL)
+            assert shell is not None
+            a, b, c = shell.points[shell.triangles].transpose(1, 0, 2)
+            area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+            a, b, c = corner.transpose(1, 0, 2)
+            volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
+            self.assertAlmostEqual(volume / (area * thickness), 1.0, delta=1e-3)  # it sags by less than a hundredth
+            normal = np.linalg.norm(arrays["shell.normal"].reshape(-1, 3), axis=1)[arrays["shell.index"].reshape(-1, 3)]
+            own = np.cross(b - a, c - a)
+            self.assertTrue((np.abs(own[:, 2]) < 0.5 * np.linalg.norm(own, axis=1))[(normal == 0.0).all(axis=1)].all(), "edges")
+            self.assertGreater(int((normal == 0.0).all(axis=1).sum()), 32)
+            for name in ("damage", "fragment", "part"):
+                self.assertEqual(len(arrays[f"shell.{name}"]), len(corner))
+            self.assertEqual(3 * len(arrays["shell.speed"]), len(arrays["shell.position"]))
+
     def test_broken_files_are_told(self) -> None:
         path = self.folder / "frames" / "bodies_000002.vtp"
         path.write_bytes(path.read_bytes()[:500])

@@ -15,8 +15,10 @@ from sunder_tools.launch.run import launch_once
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
 from sunder_tools.pictures.motion import body_velocity
 from sunder_tools.pictures.palette import ramp
+from sunder_tools.pictures.sheets import sheet_of
 from sunder_tools.pictures.view import Server, packages
 from sunder_tools.places import BUILD_DIR_VARIABLE
+from sunder_tools.report.scene_text import scene_words
 from tests import REPOSITORY
 from tests.command.synthetic import SyntheticRun
 from tests.viewer.browser import Browser, find_browser
@@ -69,7 +71,10 @@ class InABrowser(unittest.TestCase):
     def drawn(self, k: int) -> None:
         """Every triangle of the frame is handed to the graphics."""
         frame = list_frames(self.folder)[k]
-        wanted = sum(len(mesh.triangles) for part in (SHELL, BODIES) if (mesh := frame.read(part)) is not None)
+        shell, bodies = frame.read(SHELL), frame.read(BODIES)
+        wanted = len(bodies.triangles) if bodies is not None else 0
+        if shell is not None:
+            wanted += len(sheet_of(shell, scene_words(self.folder).thickness).triangles)
         self.assertGreater(wanted, 200)
         self.browser.wait("document.body.dataset.triangles", lambda triangles: triangles == str(wanted))
 
@@ -92,6 +97,11 @@ class RecordedRun(InABrowser):
         frames = list_frames(self.folder)
         self.assertGreater(len(frames), 4)
         self.assertEqual(self.browser.evaluate("document.getElementById('legend').textContent"), "pane")
+        shell = frames[0].read(SHELL)
+        assert shell is not None
+        sheet = sheet_of(shell, scene_words(self.folder).thickness)  # `drawn` has counted these
+        self.assertGreater(len(sheet.triangles), 2 * len(shell.triangles) + 100, "faces outside, inside and at the edge")
+        self.assertGreater(sheet.thickness_m, 0.0)
         first = self.browser.picture()[CANVAS].astype(int)
         self.slide(len(frames) - 1)
         self.drawn(len(frames) - 1)

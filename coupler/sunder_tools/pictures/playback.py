@@ -18,6 +18,7 @@ from .look import origins
 from .meshes import edges, fragment_edges, lines_in_place, weld
 from .motion import body_velocity, shell_velocity
 from .palette import PARTS
+from .sheets import sheet_of
 from .soft import with_soft
 from .vtp import PolyData
 
@@ -38,9 +39,7 @@ class Playback:
         """Returns status and frames as JSON. A frame's version changes when another run replaces it. Raises
         VtpError, OSError."""
         run = read_run(self.folder)
-        if self._words is None or not self._words.shells:
-            self._words = scene_words(self.folder)
-        words = self._words
+        words = self._known()
         frames = list_frames(self.folder) if (self.folder / "frames.pvd").exists() else []
         return {"name": self.folder.resolve().name, "scene": run.get("scene", ""), "status": run.get("status", "unknown"),
                 "frames": [{"time_s": f.time_s, "version": _version(f)} for f in frames],
@@ -48,17 +47,23 @@ class Playback:
                            for n, m, g in zip(words.shells, words.materials, words.glass)],
                 "palette": PARTS.tolist(), "part_of": origins(self.folder, words), "bodies": words.bodies, "error": run.get("error"), "counts": run.get("counts", {})}
 
+    def _known(self) -> Words:
+        if self._words is None or not self._words.shells:
+            self._words = scene_words(self.folder)
+        return self._words
+
     def frame(self, k: int) -> bytes | None:
         """Returns pack_frame() of frame k, or None where there is none. Raises VtpError, OSError."""
         frames = list_frames(self.folder)
         if not 0 <= k < len(frames):
             return None
-        key = " ".join(_version(f) for f in frames[max(k - 1, 0):k + 2])  # neighbouring frames give velocities
+        thickness = self._known().thickness
+        key = " ".join([*map(_version, frames[max(k - 1, 0):k + 2]), str(thickness)])  # neighbouring frames give velocities
         with self._lock:
             if key in self._packed:
                 self._packed.move_to_end(key)
                 return self._packed[key]
-        packed = pack_frame(frames, k)
+        packed = pack_frame(frames, k, thickness)
         with self._lock:
             self._packed[key] = packed
             while len(self._packed) > 1 and sum(map(len, self._packed.values())) > CACHED_BYTES:
@@ -69,7 +74,7 @@ class Playback:
         """Returns plots: titles, units and thinned curves of series.csv and probes.csv; None for a value that is not
         finite."""
         series, probes = read_columns(self.folder / "series.csv"), read_columns(self.folder / "probes.csv")
-        words = self._words or scene_words(self.folder)
+        words = self._known()
         plots = [_plot("energies", "J", series, [n for n in series if n.endswith(" [J]")]),
                  _plot("crack length", "m", series, ["cracks [m]"]),
                  _plot("fragments", "", series, ["fragments [-]", "handed_off [-]"])]
@@ -139,11 +144,11 @@ def impulses(probes: dict[str, np.ndarray], words: Words) -> list[dict[str, Any]
     return plots
 
 
-def pack_frame(frames: list[Frame], k: int) -> bytes:
+def pack_frame(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -> bytes:
     """Packs a frame for the page: length of a JSON header (u32), the header, padding to 8, then arrays,
-    little-endian.
+    little-endian. Where `thickness` [m] of each shell is known, shells have faces outside, inside and at the edge.
 
-    The header has counts, ranges and {name: [type, offset, length]}; offsets count from the first array. Positions are
+    The header has time, origin, the largest thickness [m] and {name: [type, offset, length]}; offsets count from the first array. Positions are
     single precision from `origin` [m], so that what is small and far away stays sharp. Raises VtpError, OSError.
     """
     shell, cracks, bodies = (frames[k].read(part) for part in (SHELL, CRACKS, BODIES))
@@ -153,16 +158,25 @@ def pack_frame(frames: list[Frame], k: int) -> bytes:
     origin = 0.5 * (shell.points.min(0) + shell.points.max(0)) if shell is not None and len(shell.points) else box.mean(0)
     arrays: dict[str, np.ndarray] = {}
     lines = [np.zeros((0, 2, 3))]
+    inner, thick = np.zeros((0, 2, 3)), 0.0
     if shell is not None:
-        arrays |= _mesh("shell", shell, shell_velocity(shell), origin)
+        sheet = sheet_of(shell, thickness)
+        thick, speed = sheet.thickness_m, np.linalg.norm(shell_velocity(shell), axis=1)
+        used, index = np.arange(len(sheet.points)), sheet.triangles
+        if thick:  # its points are there twice, for edges too
+            used, index = np.unique(sheet.triangles, return_inverse=True)
+        arrays["shell.position"] = (sheet.points[used] - origin).astype("<f4")
+        arrays["shell.normal"] = sheet.smooth[used].astype("<f4")  # zero where it is flat
+        arrays["shell.index"] = index.ravel().astype("<u4")
+        arrays["shell.speed"] = speed[used % (2 * len(speed)) // 2 if thick else used].astype("<f4")
         for name in ("damage", "c_his"):
-            values = shell.of_triangles(name, 0.0)
+            values = shell.of_triangles(name, 0.0)[sheet.own]
             arrays[f"shell.{name}"] = (values.max(axis=1) if values.ndim == 2 else values).astype("<f4")
-        arrays["shell.fragment"] = shell.of_triangles("fragment", 0).astype("<i4")
-        arrays["shell.part"] = shell.of_triangles("shell", 0).astype("<i4")
-        lines.append(shell.points[fragment_edges(shell)])
+        arrays["shell.fragment"] = shell.of_triangles("fragment", 0)[sheet.own].astype("<i4")
+        arrays["shell.part"] = shell.of_triangles("shell", 0)[sheet.own].astype("<i4")
+        lines.append(sheet.points[sheet.lines(fragment_edges(shell))])
     if cracks is not None:
-        lines.append(cracks.points[lines_in_place(cracks, shell)])
+        inner = cracks.points[lines_in_place(cracks, shell)]
     if bodies is not None:
         arrays |= _mesh("bodies", bodies, moves, origin)
         body = bodies.of_triangles("body", 0)
@@ -173,13 +187,14 @@ def pack_frame(frames: list[Frame], k: int) -> bytes:
         outlines = edges(bodies.triangles, weld(bodies.points, owner), body, _normals(bodies))
         arrays["outlines"] = (bodies.points[outlines] - origin).astype("<f4")
     arrays["cracks"] = (np.concatenate(lines) - origin).astype("<f4")
+    arrays["inner"] = (inner - origin).astype("<f4")  # lines of middle surfaces
     table, blocks, at = {}, [], 0
     for name, values in arrays.items():
         raw = np.ascontiguousarray(values).tobytes()
         table[name] = [values.dtype.str[1:], at, values.size]
         blocks.append(raw + bytes(-len(raw) % 8))
         at += len(blocks[-1])
-    header = json.dumps({"time_s": frames[k].time_s, "origin": origin.tolist(), "arrays": table}).encode()
+    header = json.dumps({"time_s": frames[k].time_s, "origin": origin.tolist(), "thickness_m": thick, "arrays": table}).encode()
     header += b" " * (-(len(header) + 4) % 8)
     return struct.pack("<I", len(header)) + header + b"".join(blocks)
 
