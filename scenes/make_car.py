@@ -31,14 +31,14 @@ SKELETON = (np.array([0.8, 0.0, 0.45]), np.array([3.5, 0.0, 0.6]))
 # alike. Layers of yielding materials take most of the time, so there are few where little yielding is expected.
 SHELLS = {
     "front_bumper": ("bumper_plastic", 0.008, 0),
-    "bonnet": ("sheet_metal", 0.008, 5),
+    "bonnet": ("painted_steel", 0.008, 5),
     "windscreen": ("window_glass", 0.010, 0),
-    "roof": ("sheet_metal", 0.008, 5),
+    "roof": ("painted_steel", 0.008, 5),
     "rear_window": ("window_glass", 0.010, 0),
-    "tailgate": ("sheet_metal", 0.008, 3),
-    "wing": ("sheet_metal", 0.008, 5),
-    "side": ("sheet_metal", 0.008, 3),
-    "greenhouse": ("sheet_metal", 0.016, 3),
+    "tailgate": ("painted_steel", 0.008, 3),
+    "wing": ("painted_steel", 0.008, 5),
+    "side": ("painted_steel", 0.008, 3),
+    "greenhouse": ("painted_steel", 0.016, 3),
 }
 NOTES = {
     "front_bumper": "A cover: it hangs on wings and bonnet, and on two crash boxes behind it.",

@@ -28,6 +28,7 @@ SUN_SIZE = 0.12       # [rad]: soft shadows
 SKY = ((0.0, (0.20, 0.22, 0.25)), (0.10, (0.62, 0.66, 0.70)), (0.28, (0.30, 0.36, 0.44)), (0.62, (0.55, 0.66, 0.82)),
        (0.80, (1.1, 1.1, 1.08)))
 BRIGHTEST = 4.0       # of light that comes by glass or metal: single grains brighter than that would not average out
+CLEAREST = 0.12       # share of its colour that a sheet of glass has where it is looked through
 LEVEL = 1e-3          # [of the size of the scene] within which a body that is flat lies on the ground
 
 
@@ -38,7 +39,7 @@ def main() -> None:
         bpy.data.objects.remove(thing)
     sunder_run.load(job["folder"], job["fps"], job["speed"])
     for material in bpy.data.materials:
-        _dress(material, job["kinds"])
+        _dress(material, job["looks"])
     _hide_floors(job["ground"])
     _ground(job["ground"])
     _light(job["light"])
@@ -67,27 +68,36 @@ def main() -> None:
         print(f"{DRAWN}{path}", flush=True)
 
 
-def _dress(material: Any, kinds: dict[str, str]) -> None:
-    """Gives a material the look of its kind, which is that of the scene's material whose name it begins with."""
-    names = [name for name in kinds if material.name == name or material.name.startswith(f"{name}_")]
-    kind = kinds[max(names, key=len)] if names else "plain"
+def _dress(material: Any, looks: dict[str, dict[str, Any]]) -> None:
+    """Gives a material the look of the scene's material whose name it begins with. One that the scene does not name is plain, in
+    the colour that it has."""
     tree = material.node_tree
     shader = next((node for node in tree.nodes if node.type == "BSDF_PRINCIPLED"), None) if tree is not None else None
     if shader is None:
         return
-    if kind == "glass":
-        _put(shader, {"Transmission": 1.0, "Transmission Weight": 1.0, "Roughness": 0.0, "IOR": 1.52,
-                      "Base Color": (0.90, 0.97, 0.94, 1.0)})
-        if material.name.endswith("_edge"):  # light that has gone through the sheet lengthwise is green, and scattered
-            _put(shader, {"Base Color": (0.45, 0.78, 0.62, 1.0), "Roughness": 0.3, "Transmission": 0.6,
-                          "Transmission Weight": 0.6})
-        _let_light_through(tree, shader)
-    elif kind == "metal":
-        _put(shader, {"Metallic": 1.0, "Roughness": 0.28})
-    elif kind == "cloth":
-        _put(shader, {"Roughness": 0.9, "Sheen": 0.6, "Sheen Weight": 0.6, "Specular": 0.1, "Specular IOR Level": 0.1})
-    else:
+    names = [name for name in looks if material.name == name or material.name.startswith(f"{name}_")]
+    if not names:
         _put(shader, {"Roughness": 0.45, "Specular": 0.4, "Specular IOR Level": 0.4})
+        return
+    look = looks[max(names, key=len)]
+    kind, colour, rough = look["kind"], (*look["colour"], 1.0), look["roughness"]
+    if kind == "glass":
+        clear = tuple(1.0 - CLEAREST * (1.0 - c) for c in colour)
+        _put(shader, {"Transmission": 1.0, "Transmission Weight": 1.0, "Roughness": rough, "IOR": 1.52, "Base Color": clear})
+        if material.name.endswith("_edge"):  # light that has gone through the sheet lengthwise is coloured, and scattered
+            _put(shader, {"Base Color": colour, "Roughness": 0.3, "Transmission": 0.6, "Transmission Weight": 0.6})
+        _let_light_through(tree, shader)
+        return
+    _put(shader, {"Base Color": colour, "Roughness": rough})
+    if kind == "metal":
+        _put(shader, {"Metallic": 1.0})
+    elif kind == "cloth":
+        _put(shader, {"Sheen": 0.6, "Sheen Weight": 0.6, "Specular": 0.1, "Specular IOR Level": 0.1})
+    elif kind == "paint":
+        _put(shader, {"Specular": 0.5, "Specular IOR Level": 0.5, "Clearcoat": 1.0, "Coat Weight": 1.0, "Clearcoat Roughness": 0.03,
+                      "Coat Roughness": 0.03})
+    else:
+        _put(shader, {"Specular": 0.4, "Specular IOR Level": 0.4})
 
 
 def _put(shader: Any, values: dict[str, Any]) -> None:

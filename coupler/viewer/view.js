@@ -17,14 +17,15 @@ let state = { frames: [], shells: [], palette: [], part_of: {}, status: "" };
 let shown = -1, wanted = 0, timer = null, busy = false, current = null;
 const tops = {}; // highest value so far, by coloured quantity
 
-// look of the parts; a single shell of which nothing is known is drawn as glass, as in the other pictures
+// look of the parts, by their materials; a single shell of which nothing is known is drawn as glass, as in the other pictures
 const look = {
-  partColour: (n) => (look.isGlass(n) || !look.several() ? GLASS : state.palette[n % state.palette.length]),
+  partColour: (n) => state.shells[n]?.colour ?? (look.isGlass(n) || !look.several() ? GLASS : state.palette[n % state.palette.length]),
+  bodyColour: (body, other) => (state.body_colours?.[body - 1]?.length ? state.body_colours[body - 1] : other),
   isGlass: (n) => state.shells[n]?.glass ?? state.shells.length === 0,
   several: () => state.shells.length > 1 || state.shells.some((shell) => !shell.glass) || new Set(current?.arrays["shell.part"] ?? []).size > 1,
   shardColour: (body) => {
     const part = state.part_of[body]; // not known for every shard
-    return !look.several() ? GLASS : part === undefined ? DEBRIS : look.partColour(part);
+    return !look.several() ? look.partColour(0) : part === undefined ? DEBRIS : look.partColour(part);
   },
   get glassOpacity() { return look.several() ? 0.45 : 0.75; },
 };

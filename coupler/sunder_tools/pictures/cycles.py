@@ -17,6 +17,7 @@ from PIL import Image
 from ..errors import PEER_LOST, CommandError, how_it_ended
 from ..launch.install import BLENDER_PACKAGES, ensure_installed
 from ..places import BUILD_DIR_VARIABLE, COUPLER, work_folder
+from ..report.appearance import as_linear
 from ..report.scene_text import scene_words
 from .ground import Ground
 from .raster import NEAR_M, Camera
@@ -58,7 +59,8 @@ def job_of(folder: Path, how: Cycles, numbers: Sequence[int], pictures: Sequence
     return {
         "folder": str(folder.resolve()), "fps": how.fps, "speed": how.speed or 0.0, "samples": how.samples,
         "threads": how.threads, "frames": [int(n) for n in numbers], "pictures": [str(path) for path in pictures],
-        "kinds": dict(scene_words(folder).kinds), "light": LIGHT.tolist(),
+        "looks": {name: {"kind": look.kind, "colour": as_linear(look.colour), "roughness": look.roughness}
+                  for name, look in scene_words(folder).appearances}, "light": LIGHT.tolist(),
         "ground": {"z": float(ground.z), "centre": [float(c) for c in ground.centre], "size": float(ground.size)},
         "camera": {"eye": camera.eye.tolist(), "axes": np.asarray(camera.axes).tolist(), "focal": float(camera.scale[0]),
                    "size": list(size), "near": NEAR_M, "far": FAR * float(ground.size)}}

@@ -23,7 +23,7 @@ from .between import film_frames
 from .frames import FROZEN, SHARD
 from .glb import INDICES, VERTICES, Glb, texture, upright
 from .look import origins
-from .materials import STEEL, material_of_shards, material_of_shell, name_and_material_of_body, slot_name
+from .materials import material_of_body, material_of_shards, material_of_shell, name_of_body, slot_name
 from .mesh import Mesh, mesh_of
 from .meshes import weld
 from .render import put_in_place, frames_of, pick, telling
@@ -90,8 +90,7 @@ def glb_bytes(mesh: Mesh, time_s: float, words: Words, part_of: dict[int, int]) 
              *material_of_shards(int(part), words))
     own = ~broken & (mesh.body >= 0)
     for number in np.unique(mesh.body[own]):
-        name, material = name_and_material_of_body(int(number), words)
-        _add(out, name, mesh, normals, own & (mesh.body == number), material, STEEL)
+        _add(out, name_of_body(int(number), words), mesh, normals, own & (mesh.body == number), *material_of_body(int(number), words))
     return out.packed()
 
 

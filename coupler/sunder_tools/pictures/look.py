@@ -8,7 +8,9 @@ import numpy as np
 
 from ..report.columns import read_columns
 from ..report.scene_text import Words, scene_words
+from .materials import material_of_body, material_of_shell
 
+Colour = tuple[float, ...]  # red, green, blue
 COLOURS = ("part", "damage", "fragment", "speed")
 SAME_DENSITY = 1e-6  # relative; mass and area of a shard are written with nine digits
 
@@ -17,7 +19,9 @@ SAME_DENSITY = 1e-6  # relative; mass and area of a shard are written with nine 
 class Look:
     """Colouring of a picture. `part_of` is the shell that each shard came from, by its body's number."""
     by: str = "part"
-    glass: tuple[bool, ...] = ()
+    glass: tuple[bool, ...] = ()   # of each shell: it is seen through
+    colours: tuple[Colour, ...] = ()  # of each shell, that of its material
+    bodies: tuple[Colour, ...] = ()   # of each body of the scene; empty where it names no material
     part_of: dict[int, int] = field(default_factory=dict)
     fastest: float = 1.0  # [m/s], end of the colour scale of speed
     thickness: tuple[float, ...] = ()  # [m] of each shell
@@ -26,7 +30,14 @@ class Look:
     def of(folder: Path, by: str = "part", fastest: float = 1.0) -> "Look":
         """Makes the colouring for the run in `folder`; with less knowledge where its scene is not found."""
         words = scene_words(folder)
-        return Look(by, words.glass, origins(folder, words), fastest, words.thickness)
+        return Look.of_words(words, by, origins(folder, words), fastest)
+
+    @staticmethod
+    def of_words(words: Words, by: str = "part", part_of: dict[int, int] | None = None, fastest: float = 1.0) -> "Look":
+        """Makes the colouring from what is known of the scene."""
+        return Look(by, words.glass, tuple(material_of_shell(k, words)[1][:3] for k in range(len(words.shells))),
+                    tuple(material_of_body(k + 1, words)[1] if name else () for k, name in enumerate(words.body_materials)), part_of or {}, fastest,
+                    words.thickness)
 
 
 def origins(folder: Path, words: Words) -> dict[int, int]:

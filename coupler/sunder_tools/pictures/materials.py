@@ -1,11 +1,12 @@
-"""Names and colours of materials in exports. Nothing here or below needs PIL: Blender's own Python has numpy alone."""
+"""Names and colours of materials in pictures and exports. Nothing here or below needs PIL: Blender's own Python has numpy alone."""
 from __future__ import annotations
 
+from ..report.appearance import GLASS, STEEL, UNKNOWN, Appearance, unknown
 from ..report.scene_text import Words
-from .palette import GLASS, PARTS
 from .thick import OTHER, SIDE_NAMES
 
-STEEL = (0.58, 0.60, 0.63)
+Named = tuple[str, tuple[float, ...]]  # a material and its colour, with an opacity where it is seen through
+OPACITY = 0.5                          # of glass
 
 
 def slot_name(material: str, side: int) -> str:
@@ -13,24 +14,35 @@ def slot_name(material: str, side: int) -> str:
     return material if side == OTHER else f"{material}_{SIDE_NAMES[side]}"
 
 
-def material_of_shell(part: int, words: Words) -> tuple[str, tuple[float, ...]]:
+def colour_of(look: Appearance) -> tuple[float, ...]:
+    """The colour of a material with this look, and its opacity where it is glass."""
+    return (*look.colour, OPACITY) if look.kind == "glass" else look.colour
+
+
+def material_of_shell(part: int, words: Words) -> Named:
     """Name and colour of a shell's material; of a shell that the scene does not tell about, a material of its own."""
     if part >= len(words.materials):
-        return f"shell_{part}", tuple(PARTS[part % len(PARTS)])
+        return f"shell_{part}", unknown(part).colour
     name = words.materials[part]
-    return name, (*GLASS, 0.5) if words.glass[part] else tuple(PARTS[words.materials.index(name) % len(PARTS)])
+    known = dict(words.appearances).get(name)
+    return name, colour_of(known if known is not None else GLASS if words.glass[part] else unknown(words.materials.index(name)))
 
 
-def material_of_shards(part: int, words: Words) -> tuple[str, tuple[float, ...]]:
+def material_of_shards(part: int, words: Words) -> Named:
     """The same for shards of a shell; -1 where that is not known: it may be the only material that breaks."""
     if part >= 0:
         return material_of_shell(part, words)
     if len({m for m, breaks in zip(words.materials, words.breaks) if breaks}) == 1:
         return material_of_shell(words.breaks.index(True), words)
-    return "shards", tuple(PARTS[0])
+    return "shards", UNKNOWN[0]
 
 
-def name_and_material_of_body(number: int, words: Words) -> tuple[str, str]:
-    """Names of a body of the scene, by its number."""
-    known = 0 < number <= len(words.bodies)
-    return (words.bodies[number - 1], words.body_materials[number - 1] or "body") if known else (f"body_{number}", "body")
+def material_of_body(number: int, words: Words) -> Named:
+    """The same for a body of the scene, by its number; steel where the scene names no material."""
+    name = words.body_materials[number - 1] if 0 < number <= len(words.bodies) else ""
+    return name or "body", dict(words.appearances).get(name, STEEL).colour
+
+
+def name_of_body(number: int, words: Words) -> str:
+    """The name of a body of the scene, by its number."""
+    return words.bodies[number - 1] if 0 < number <= len(words.bodies) else f"body_{number}"

@@ -10,7 +10,7 @@ from .ground import Ground
 from .look import Look, parts_of_bodies
 from .motion import reference_points as reference_points  # others import it from here
 from .motion import shell_velocity
-from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
+from .palette import GLASS, STEEL, is_glass, part_colours, pastel, ramp, varied
 from .sheets import sheet_of, sides_of_pieces
 from .soft import balls, colours as soft_colours, speeds
 from .thick import CREASE_COSINE, EDGE, INSIDE, OTHER, vertex_normals
@@ -19,7 +19,6 @@ from .vtp import PolyData
 WELD_M = 1e-6  # nearer points are one when lines are searched
 SHARP_COSINE = 0.8  # edges between faces that turn by more than 37 degrees are drawn
 LONGEST_STATIC_M = 0.12  # static triangles are divided to this size, so that none reaches behind the eye
-STEEL = np.array([0.58, 0.60, 0.63])
 FLOOR = np.array([0.87, 0.87, 0.86])
 DEBRIS = np.array([0.66, 0.69, 0.71])  # shards of an unknown shell of several
 CLEAR, COLOURED = 0.30, 0.70  # opacity of glass: as it is, and with the colours of a quantity
@@ -208,7 +207,7 @@ def _shell_colours(shell: PolyData, look: Look, part: np.ndarray, several: bool)
     if look.by == "speed":
         speed = np.linalg.norm(shell_velocity(shell), axis=1)[shell.triangles].mean(axis=1)
         return ramp(speed / look.fastest)
-    return varied(fragment, part_colours(part, look.glass) if several else GLASS, VARIED)
+    return varied(fragment, part_colours(part, look.colours) if several or look.colours else GLASS, VARIED)
 
 
 def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.ndarray, several: bool,
@@ -219,8 +218,18 @@ def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.n
         return ramp(np.zeros(len(body)))  # frames have no value for detached pieces
     if look.by == "speed":
         return ramp(speed / look.fastest)
-    base = np.where((part >= 0)[:, None], part_colours(np.maximum(part, 0), look.glass), DEBRIS) if several else GLASS
+    if several:
+        base = np.where((part >= 0)[:, None], part_colours(np.maximum(part, 0), look.colours), DEBRIS)
+    else:
+        base = np.array(look.colours[0]) if look.colours else GLASS
     return varied(body, base, VARIED)
+
+
+def _body_colours(body: np.ndarray, look: Look, base: np.ndarray) -> np.ndarray:
+    """Returns colours (n, 3) of bodies of the scene by their numbers (n,); `base` of those that name no material."""
+    table = np.array([base, *(colour if colour else base for colour in look.bodies)])
+    number = body.astype(np.int64)
+    return table[np.where((number > 0) & (number < len(table)), number, 0)]
 
 
 def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = None) -> Scene:
@@ -272,14 +281,14 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
         own = kind == MOVING
         moving = bodies.points[np.unique(bodies.triangles[own])]
         if own.any():
-            steel = ramp(speed[own] / look.fastest) if look.by == "speed" else varied(body[own] * 0, STEEL, 0.0)
-            ours = _surface(bodies.points, bodies.triangles[own], steel)
+            shown = ramp(speed[own] / look.fastest) if look.by == "speed" else _body_colours(body[own], look, STEEL)
+            ours = _surface(bodies.points, bodies.triangles[own], shown)
             ours.round_centre = _ball_centres(bodies.points, ours.triangles, body[own])
             solid.append(ours)
         fixed = kind == STATIC
         if fixed.any():
-            points, triangles, _ = _divided(bodies.points, bodies.triangles[fixed])
-            ours = _surface(points, triangles, np.broadcast_to(FLOOR, (len(triangles), 3)), throws=False)
+            points, triangles, source = _divided(bodies.points, bodies.triangles[fixed])
+            ours = _surface(points, triangles, _body_colours(body[fixed][source], look, FLOOR), throws=False)
             level = np.abs(ours.normals()[:, 2]) > 0.999
             if level.any():
                 height = points[triangles][:, :, 2].mean(axis=1)

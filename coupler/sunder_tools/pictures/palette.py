@@ -3,11 +3,10 @@ from __future__ import annotations
 
 import numpy as np
 
-GLASS = np.array([0.56, 0.79, 0.79])
-PARTS = np.array([  # muted and of similar lightness, so that shading shows the shape
-    [0.42, 0.47, 0.53], [0.73, 0.57, 0.50], [0.62, 0.68, 0.60], [0.76, 0.70, 0.59], [0.56, 0.62, 0.70], [0.66, 0.57, 0.63],
-    [0.70, 0.61, 0.54], [0.71, 0.64, 0.58], [0.58, 0.64, 0.61], [0.61, 0.66, 0.64], [0.65, 0.67, 0.72], [0.68, 0.69, 0.73],
-])
+from ..report import appearance
+
+GLASS, STEEL = np.array(appearance.GLASS.colour), np.array(appearance.STEEL.colour)
+PARTS = np.array(appearance.UNKNOWN)  # PARTS: of shells that the scene does not tell about
 # light grey over yellow and red to dark, readable in grey too; coupler/viewer/colours.js has the same
 STOPS = np.array([
     [0.88, 0.90, 0.91], [0.95, 0.80, 0.47], [0.89, 0.49, 0.27], [0.69, 0.19, 0.25], [0.29, 0.06, 0.20]])
@@ -34,11 +33,11 @@ def ramp(share: np.ndarray) -> np.ndarray:
     return np.stack([np.interp(at, np.arange(len(STOPS)), STOPS[:, axis]) for axis in range(3)], axis=1)
 
 
-def part_colours(part: np.ndarray, glass: tuple[bool, ...]) -> np.ndarray:
-    """Returns colours (n, 3) for shell numbers (n,); `glass` lists the shells that are known to be glass."""
-    colours = PARTS[part % len(PARTS)]
-    colours[is_glass(part, glass)] = GLASS
-    return colours
+def part_colours(part: np.ndarray, known: tuple[tuple[float, ...], ...]) -> np.ndarray:
+    """Returns colours (n, 3) for shell numbers (n,), of which the first have `known` colours."""
+    table = PARTS[np.arange(max(int(part.max(initial=0)) + 1, len(known))) % len(PARTS)]
+    table[:len(known)] = np.array(known).reshape(-1, 3)
+    return table[part]
 
 
 def is_glass(part: np.ndarray, glass: tuple[bool, ...]) -> np.ndarray:

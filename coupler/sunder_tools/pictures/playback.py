@@ -14,7 +14,7 @@ from ..report.columns import read_columns, thin
 from ..report.run_json import read_run
 from ..report.scene_text import Words, scene_words
 from .frames import BODIES, CRACKS, SHELL, Frame, list_frames
-from .look import origins
+from .look import Look, origins
 from .meshes import edges, fragment_edges, lines_in_place, weld
 from .motion import body_velocity, shell_velocity
 from .palette import PARTS
@@ -40,12 +40,14 @@ class Playback:
         VtpError, OSError."""
         run = read_run(self.folder)
         words = self._known()
+        look = Look.of_words(words, part_of=origins(self.folder, words))
         frames = list_frames(self.folder) if (self.folder / "frames.pvd").exists() else []
         return {"name": self.folder.resolve().name, "scene": run.get("scene", ""), "status": run.get("status", "unknown"),
                 "frames": [{"time_s": f.time_s, "version": _version(f)} for f in frames],
-                "shells": [{"name": n, "material": m, "glass": g}
-                           for n, m, g in zip(words.shells, words.materials, words.glass)],
-                "palette": PARTS.tolist(), "part_of": origins(self.folder, words), "bodies": words.bodies, "error": run.get("error"), "counts": run.get("counts", {})}
+                "shells": [{"name": n, "material": m, "glass": g, "colour": c}
+                           for n, m, g, c in zip(words.shells, words.materials, words.glass, look.colours)],
+                "palette": PARTS.tolist(), "part_of": look.part_of, "bodies": words.bodies, "body_colours": look.bodies,
+                "error": run.get("error"), "counts": run.get("counts", {})}
 
     def _known(self) -> Words:
         if self._words is None or not self._words.shells:

@@ -15,7 +15,7 @@ from ..report.scene_text import Words
 from .between import RIGID, centre_of_sheet, ends
 from .faces import Slot, face_velocities, faces, over_faces, slots_of
 from .frames import BODIES, FROZEN, SHARD, SHELL, SOFT, Frame
-from .materials import STEEL, material_of_shards, name_and_material_of_body, slot_name
+from .materials import material_of_body, material_of_shards, name_of_body, slot_name
 from .mesh import part_of_points, thickness_of_points
 from .meshes import weld
 from .motion import by_body, parameters, reference_points
@@ -204,7 +204,7 @@ class Story:
             elif key[0] == "soft":
                 self._things[key] = Thing(f"soft_{key[1]}")
             else:
-                self._things[key] = Thing(name_and_material_of_body(key[1], self._words)[0])
+                self._things[key] = Thing(name_of_body(key[1], self._words))
         return self._things[key]
 
     def _bend(self, k: int, key: Key, now: _Sheets) -> None:
@@ -254,7 +254,7 @@ class Story:
             part = self._part_of.get(key[1], self._words.shells.index(thing.group) if thing.group in self._words.shells else -1)
             material, colour = material_of_shards(part, self._words)
         else:
-            material, colour = name_and_material_of_body(key[1], self._words)[1], tuple(STEEL)
+            material, colour = material_of_body(key[1], self._words)
         normals = corner_normals(points, triangles, weld(points))
         slots, order, first = [], [], 0
         for one in (OUTSIDE, INSIDE, EDGE, OTHER):

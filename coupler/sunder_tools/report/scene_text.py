@@ -13,18 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import BAD_INPUT, CommandError
+from .appearance import Appearance, appearance_of
 from .run_json import read_run
 
 SCENE_COPY = "scene_as_run.textproto"  # in a run folder, with the settings of the run: shell/io/scene_copy.cpp
 
 Message = dict[str, list[Any]]  # field: its values in order; a message, a number, a word or a string each
-# What a material looks like, by a word in its name, by its preset, and then by its numbers.
-CLEAR = ("glass", "acrylic", "perspex", "plexiglas", "pmma")  # seen through
-METALS = ("steel", "iron", "alumin", "copper", "brass", "metal", "titanium", "lead")
-CLOTHS = ("cloth", "fabric", "silk", "cotton", "linen", "wool", "denim")
-CLEAR_PRESETS = ("SODA_LIME_GLASS", "ACRYLIC")
-LEAST_METAL = 6500.0  # [kg/m^3], above stone and ceramics
-MOST_CLOTH = 1e6      # [Pa], below rubber
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], proto/scene.proto
 TOKEN = re.compile(r"""\s+|\#[^\n]*|("(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*')|([{}<>\[\]:,;])|([^\s{}<>\[\]:,;#"']+)""")
 PAIRS = {"{": "}", "<": ">"}
@@ -115,7 +109,7 @@ class Words:
     probes: tuple[tuple[str, str], ...] = ()  # (probe, body) where a body moves under a probe
     masses: tuple[tuple[str, float], ...] = ()  # (body, [kg]) of spheres and boxes
     gravity: tuple[float, float, float] = STANDARD_GRAVITY
-    kinds: tuple[tuple[str, str], ...] = ()  # (material, kind): glass, metal, cloth or plain
+    appearances: tuple[tuple[str, Appearance], ...] = ()  # (material, how it looks)
     speeds: tuple[tuple[str, float], ...] = ()  # (body, [m/s] at the start) of bodies that move
 
     def mass_under(self, probe: str) -> float | None:
@@ -189,7 +183,8 @@ def _with_own(words: Words, scene: Message, run: dict[str, Any]) -> Words:
     if any(name not in materials for name in of):
         return words
     thickness = [float(t) for t in thick]
-    return replace(words, materials=tuple(of), glass=tuple(_kind(m, materials[m]) == "glass" for m in of),
+    looks = _appearances(scene)
+    return replace(words, materials=tuple(of), glass=tuple(looks[m].kind == "glass" for m in of),
                    breaks=tuple(_one(materials[m], "strength") is not None for m in of), thickness=tuple(thickness),
                    surface_density=tuple(_number(_one(materials[m], "density")) * t for m, t in zip(of, thickness)))
 
@@ -213,7 +208,7 @@ def _scene_file(folder: Path) -> tuple[Path, list[str]]:
 
 def words_of(scene: Message, settings: list[str]) -> Words:
     """`settings`: --set of the run; one of a body or material may change masses, which are then not given."""
-    materials = {_one(m, "name"): m for m in scene.get("materials", [])}
+    materials, looks = {_one(m, "name"): m for m in scene.get("materials", [])}, _appearances(scene)
     shells = [s for s in scene.get("shells", []) if isinstance(s, dict)]
     of = [str(_one(s, "material", default="")) for s in shells]
     thickness = _thickness(shells, settings)
@@ -230,23 +225,18 @@ def words_of(scene: Message, settings: list[str]) -> Words:
     if any(s.startswith("gravity") for s in settings):
         masses = []  # the impulse of weight would be a wrong one
     return Words(tuple(str(_one(s, "name", default="")) for s in shells), tuple(of),
-                 tuple(_kind(m, materials.get(m)) == "glass" for m in of),
+                 tuple(m in looks and looks[m].kind == "glass" for m in of),
                  tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density), tuple(thickness),
                  tuple(str(_one(b, "name", default="")) for b in bodies),
                  tuple(str(_one(b, "material", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z),
-                 tuple((str(name), _kind(str(name), m)) for name, m in materials.items()), tuple(speeds))
+                 tuple(looks.items()), tuple(speeds))
 
 
-def _kind(name: str, material: Any) -> str:
-    """What a material looks like: 'glass', 'metal', 'cloth' or 'plain'."""
-    named = [kind for kind, known in (("glass", CLEAR), ("metal", METALS), ("cloth", CLOTHS)) if any(w in name.lower() for w in known)]
-    if named:
-        return named[0]
-    if _one(material, "preset") in CLEAR_PRESETS:
-        return "glass"
-    if _one(material, "yield_stress") is not None or _number(_one(material, "density")) >= LEAST_METAL:
-        return "metal"
-    return "cloth" if _number(_one(material, "youngs_modulus")) <= MOST_CLOTH else "plain"
+def _appearances(scene: Message) -> dict[str, Appearance]:
+    """Of each material."""
+    return {str(_one(m, "name")): appearance_of(str(_one(m, "name")), str(_one(m, "preset", default="")), _number(_one(m, "density")),
+                                                _number(_one(m, "youngs_modulus")), _one(m, "yield_stress") is not None, number)
+            for number, m in enumerate(scene.get("materials", []))}
 
 
 def _number(value: Any) -> float:

@@ -1,0 +1,104 @@
+"""What materials look like: by name, preset and numbers; the same in pictures, exports and on the page."""
+from __future__ import annotations
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from sunder_tools.pictures.frames import BODIES, SHELL, Frame
+from sunder_tools.pictures.look import Look
+from sunder_tools.pictures.materials import material_of_body, material_of_shards, material_of_shell
+from sunder_tools.pictures.meshes import load_scene
+from sunder_tools.pictures.playback import Playback
+from sunder_tools.report.appearance import (ACRYLIC, BRASS, CLOTH, GLASS, NAMED, PAINT, PLASTIC, PORCELAIN, STEEL, UNKNOWN, WOOD,
+                                            as_linear)
+from sunder_tools.report.scene_text import SCENE_COPY, parse_text, words_of
+
+from . import REPOSITORY
+from .synthetic import write_vtp
+
+SCENE = """
+materials { name: "bowl_porcelain" density: 2400 strength: 1 } materials { name: "window" preset: SODA_LIME_GLASS }
+materials { name: "hull" density: 7800 } materials { name: "sheet" density: 2700 yield_stress: 2e8 }
+materials { name: "stuff" density: 1200 youngs_modulus: 2e9 } materials { name: "flag" density: 20 youngs_modulus: 3.2e3 }
+materials { name: "painted_steel" density: 7800 yield_stress: 1e9 } materials { name: "environment" density: 1 }
+shells { name: "bowl" material: "bowl_porcelain" thickness_m: 0.003 } shells { name: "door" material: "painted_steel" }
+shells { name: "pane" material: "window" }
+bodies { name: "ball" material: "hull" } bodies { name: "post" } bodies { name: "block" material: "stuff" }"""
+LIGHT, DARK = 0.85, 0.30  # of a colour's largest part
+
+
+class Table(unittest.TestCase):
+    def test_a_material_looks_like_its_name_preset_or_numbers(self) -> None:
+        looks = dict(words_of(parse_text(SCENE), []).appearances)
+        self.assertEqual(looks, {"bowl_porcelain": PORCELAIN, "window": GLASS, "hull": STEEL, "sheet": STEEL,
+                                 "stuff": looks["stuff"], "flag": CLOTH, "painted_steel": PAINT, "environment": looks["environment"]})
+        self.assertEqual((looks["stuff"].colour, looks["stuff"].kind), (UNKNOWN[4], "plain"))
+        self.assertEqual(looks["environment"].colour, UNKNOWN[7])  # "iron" is no part of its own
+        self.assertEqual(words_of(parse_text(SCENE), []).glass, (False, False, True))
+
+    def test_each_word_says_what_it_means(self) -> None:
+        for look, words in NAMED:
+            for word in words:
+                for name in (word, f"old_{word}", f"{word.capitalize()}2"):
+                    found = dict(words_of(parse_text(f'materials {{ name: "{name}" density: 7800 }}'), []).appearances)[name]
+                    self.assertEqual(found, look, name)
+
+    def test_colours_are_colours_and_none_is_black(self) -> None:
+        for colour in (*(look.colour for look, _ in NAMED), *UNKNOWN):
+            self.assertTrue(DARK < max(colour) <= 1.0 and min(colour) >= 0.0)
+        self.assertGreater(min(PORCELAIN.colour), LIGHT)
+        self.assertEqual(as_linear((0.0, 1.0, 0.5)), (0.0, 1.0, 0.21404114048223255))  # IEC 61966-2-1
+
+    def test_scenes_that_ship_name_their_materials(self) -> None:
+        """No scene of the project is drawn in a colour that stands for nothing known."""
+        for path in sorted((REPOSITORY / "scenes").rglob("*.textproto")):
+            for name, look in words_of(parse_text(path.read_text()), []).appearances:
+                self.assertNotIn(look.colour, UNKNOWN, f"{path.name}: {name}")
+
+
+class Pictures(unittest.TestCase):
+    def test_shells_bodies_and_exports_have_one_colour(self) -> None:
+        words = words_of(parse_text(SCENE), [])
+        look = Look.of_words(words)
+        self.assertEqual(look.colours, (PORCELAIN.colour, PAINT.colour, GLASS.colour))
+        self.assertEqual([material_of_shell(k, words) for k in range(4)], [
+            ("bowl_porcelain", PORCELAIN.colour), ("painted_steel", PAINT.colour), ("window", (*GLASS.colour, 0.5)),
+            ("shell_3", UNKNOWN[3])])
+        self.assertEqual(material_of_shards(-1, words), ("bowl_porcelain", PORCELAIN.colour))
+        self.assertEqual([material_of_body(k, words) for k in (1, 2, 3, 4)], [
+            ("hull", STEEL.colour), ("body", STEEL.colour), ("stuff", UNKNOWN[4]), ("body", STEEL.colour)])
+
+    def test_the_page_is_told_the_same_colours(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            (Path(name) / SCENE_COPY).write_text(SCENE)
+            state = Playback(Path(name)).state()
+        self.assertEqual([shell["colour"] for shell in state["shells"]], [PORCELAIN.colour, PAINT.colour, GLASS.colour])
+        self.assertEqual(list(state["body_colours"]), [STEEL.colour, (), UNKNOWN[4]])
+
+    def test_a_frame_is_drawn_in_the_colours_of_its_materials(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            shell, bodies = Path(name) / "shell.vtp", Path(name) / "bodies.vtp"
+            corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+            write_vtp(shell, corners, [[0, 1, 2]], cell_data={"fragment": np.zeros(1), "damage": np.zeros(1), "shell": np.zeros(1)})
+            write_vtp(bodies, [[x, y, z - 1.0 - k] for k in range(4) for x, y, z in corners], np.arange(12).reshape(4, 3),
+                      cell_data={"body": np.array([1.0, 2, 3, 9]), "kind": np.array([0.0, 0, 0, 1])})
+            frame = Frame(0.0, {SHELL: shell, BODIES: bodies})
+            for material, look in (("porcelain", PORCELAIN), ("plywood", WOOD), ("bumper_plastic", PLASTIC)):
+                words = words_of(parse_text(f"""materials {{ name: "{material}" density: 900 }} materials {{ name: "brass" density: 8500 }}
+                    shells {{ name: "one" material: "{material}" }} bodies {{ name: "a" material: "brass" }} bodies {{ name: "b" }}
+                    bodies {{ name: "c" material: "{material}" }}"""), [])
+                scene = load_scene(frame, Look.of_words(words, part_of={9: 0}))
+                base = [look.colour, BRASS.colour, STEEL.colour, look.colour]
+                whole = np.array(sorted(map(tuple, scene.solid.colours.round(6))))
+                for colour in base:
+                    self.assertLess(np.abs(whole - colour).max(axis=1).min(), 1e-6, material)
+                self.assertEqual(len(whole), 5, "the shard too")
+            clear = words_of(parse_text('materials { name: "acrylic" } shells { name: "one" material: "acrylic" }'), [])
+            np.testing.assert_allclose(load_scene(frame, Look.of_words(clear)).glass.colours[0], ACRYLIC.colour)
+
+
+if __name__ == "__main__":
+    unittest.main()
