@@ -14,6 +14,7 @@ from .frames import SHELL, Frame, choose_frames, list_frames
 from .ground import Ground
 from .lettering import TEXT, draw_text
 from .look import Look
+from .memory import keep_memory
 from .meshes import Scene, load_scene
 from .raster import perspective_camera
 from .views import as_bytes, draw_scene
@@ -36,6 +37,7 @@ MOST_NAMED = 3  # kinds of sheets, and moving bodies, in the title
 
 def write_contact_sheet(folder: Path) -> Path:
     """Draws folder/contact_sheet.png from the frames and returns its path. Raises VtpError, OSError."""
+    keep_memory()
     frames = list_frames(folder)
     if not frames:
         raise VtpError(f"{folder}/frames.pvd: no frame to draw")
@@ -44,7 +46,7 @@ def write_contact_sheet(folder: Path) -> Path:
     look = Look.of(folder)
     scenes = [load_scene(frame, look) for frame in chosen]
     close, wide = boxes(frames[0], scenes)
-    ground = ground_of(scenes, *wide)
+    ground = ground_of(scenes, *wide, look.endless)
     for scene in scenes:
         stand(scene, ground)
     columns = GRIDS[panels]
@@ -100,14 +102,14 @@ def _title(folder: Path) -> str:
     return "     ".join(parts)
 
 
-def ground_of(scenes: list[Scene], low: np.ndarray, high: np.ndarray) -> Ground:
-    """Returns the ground for pictures of the box low..high: the floor where it is as large, otherwise a plane below all
-    that is in the box at some time."""
-    centre, size = 0.5 * (low + high)[:2], 0.5 * float(np.linalg.norm((high - low)[:2]))
+def ground_of(scenes: list[Scene], low: np.ndarray, high: np.ndarray, endless: bool = False) -> Ground:
+    """Returns the ground for pictures of the box low..high: the floor where it is as large or `endless`, otherwise a plane below
+    all that is in the box at some time."""
+    centre, size = 0.5 * (low + high)[:2], 0.5 * float(np.linalg.norm(high - low))
     below = float(low[2])
     for scene in scenes:
         floor = scene.solid.points[scene.solid.triangles[scene.solid.is_floor]].reshape(-1, 3)
-        if len(floor) and (floor[:, :2].min(axis=0) <= low[:2]).all() and (floor[:, :2].max(axis=0) >= high[:2]).all():
+        if len(floor) and (endless or (floor[:, :2].min(axis=0) <= low[:2]).all() and (floor[:, :2].max(axis=0) >= high[:2]).all()):
             assert scene.floor_z is not None
             return Ground(scene.floor_z, centre, size)
         for surface in (scene.solid, scene.glass):

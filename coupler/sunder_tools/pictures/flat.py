@@ -82,16 +82,17 @@ class _Pattern:
         shown = np.arange(len(mesh.triangles)) if whole else np.flatnonzero(self._is_free(pixels[mesh.triangles]))
         if not len(shown):
             return
-        hit, triangle = self._rasterise(pixels, near, mesh.triangles[shown])
         fragment, damage = mesh.of_triangles("fragment", 0), np.clip(mesh.of_triangles("damage", 0.0), 0.0, 1.0)
         if damage.ndim == 2:  # one value for each layer
             damage = damage.max(axis=1)
         colours = _pastel(fragment)[shown]
         colours += 0.6 * damage[shown, None] * (DAMAGE - colours)
-        self._picture[hit] = colours[triangle]
         fresh = np.zeros(len(self._free), bool)
-        fresh[hit] = True
-        self._free[hit] = False
+        for one in [np.arange(len(shown))] if whole else _split(fragment[shown]):
+            hit, triangle = self._rasterise(pixels, near, mesh.triangles[shown[one]])
+            self._picture[hit] = colours[one[triangle]]
+            fresh[hit] = True
+            self._free[hit] = False
         pieces = np.isin(fragment, fragment[shown])
         lines = [points[edges(mesh.triangles[pieces], weld(points), fragment[pieces], None)]]
         if cracks is not None and (whole or "displacement" in cracks.point_data):
@@ -129,6 +130,12 @@ class _Pattern:
         start, near_start = self.camera.project(segments[:, 0])
         end, near_end = self.camera.project(segments[:, 1])
         return line_pixels(start, end, near_start, near_end, self._width, self._height, 2)[0]
+
+
+def _split(labels: np.ndarray) -> list[np.ndarray]:
+    """Returns the places of each label: pieces far from one another have small boxes each."""
+    order = np.argsort(labels, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(labels[order])) + 1)
 
 
 def along_normal(points: np.ndarray, triangles: np.ndarray, width: int, height: int, margin: float) -> Camera:

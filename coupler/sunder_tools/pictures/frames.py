@@ -12,7 +12,7 @@ from .vtp import PolyData, VtpError, read_vtp
 
 SHELL, CRACKS, BODIES, SOFT = 0, 1, 2, 3       # `part` in frames.pvd
 MOVING, SHARD, STATIC, FROZEN = 0, 1, 2, 3     # `kind` of a triangle in bodies_*.vtp
-MEASURED_FRAMES = 240  # largest number of frames that are read to choose the panels
+MEASURED_FRAMES = 120  # largest number of frames that are read to choose the panels
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from .palette import ramp
 
-TEXT = (38, 46, 54)
+TEXT, PAPER = (38, 46, 54), (250, 250, 249)
+HALO = 9  # [of the size of the text] its light border, where it stands on something dark
 BAR = (0.28, 0.022)  # [of the height of the picture] length and height of a colour bar
 
 
@@ -68,7 +69,7 @@ def draw_text(image: Image.Image, at: tuple[int, int], text: str, size: int) -> 
     """Draws text with its upper left corner at `at`; without other fonts, in PIL's own small font, enlarged."""
     font = _font(size)
     if font is not None:
-        ImageDraw.Draw(image).text(at, text, fill=TEXT, font=font)
+        ImageDraw.Draw(image).text(at, text, fill=TEXT, font=font, stroke_width=size // HALO, stroke_fill=PAPER)
         return
     plain = ImageFont.load_default()
     text = _known(plain, text)

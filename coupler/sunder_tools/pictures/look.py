@@ -12,6 +12,7 @@ from .materials import material_of_body, material_of_shell
 
 Colour = tuple[float, ...]  # red, green, blue
 COLOURS = ("part", "damage", "fragment", "speed")
+SAME_THICKNESS = 0.02  # relative
 SAME_DENSITY = 1e-6  # relative; mass and area of a shard are written with nine digits
 
 
@@ -25,6 +26,7 @@ class Look:
     part_of: dict[int, int] = field(default_factory=dict)
     fastest: float = 1.0  # [m/s], end of the colour scale of speed
     thickness: tuple[float, ...] = ()  # [m] of each shell
+    endless: bool = False              # the floor is a half space, of which frames have a part
 
     @staticmethod
     def of(folder: Path, by: str = "part", fastest: float = 1.0) -> "Look":
@@ -37,7 +39,24 @@ class Look:
         """Makes the colouring from what is known of the scene."""
         return Look(by, words.glass, tuple(material_of_shell(k, words)[1][:3] for k in range(len(words.shells))),
                     tuple(material_of_body(k + 1, words)[1] if name else () for k, name in enumerate(words.body_materials)), part_of or {}, fastest,
-                    words.thickness)
+                    words.thickness, words.endless)
+
+    def parts_by_thickness(self, points: np.ndarray, triangles: np.ndarray, part: np.ndarray) -> np.ndarray:
+        """Returns the shells (m,) of triangles of broken pieces, `part` (m,) where that is known. A piece may be of several
+        shells, as what is frozen is. Its points come in pairs, inside and outside, so it has the thickness of its shell. -1 where
+        shells of this thickness have different colours; where all shells have one colour, it is the first."""
+        if len(self.colours) == 0 or (part >= 0).all():
+            return part
+        found = np.where(part >= 0, part, 0 if len(set(self.colours)) == 1 else -1)
+        at = np.flatnonzero(found < 0)
+        pair = triangles[at, 0] // 2 * 2
+        inside = pair + 1 < len(points)
+        thick = np.where(inside, np.linalg.norm(points[np.where(inside, pair + 1, 0)] - points[pair], axis=1), np.nan)
+        for one in dict.fromkeys(self.thickness):
+            fits = [k for k, t in enumerate(self.thickness) if abs(t - one) <= SAME_THICKNESS * one]
+            if fits and len({self.colours[k] for k in fits}) == 1:
+                found[at[np.abs(thick - one) <= SAME_THICKNESS * one]] = fits[0]
+        return found
 
 
 def origins(folder: Path, words: Words) -> dict[int, int]:

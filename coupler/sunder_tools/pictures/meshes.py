@@ -22,7 +22,7 @@ LONGEST_STATIC_M = 0.12  # static triangles are divided to this size, so that no
 FLOOR = np.array([0.87, 0.87, 0.86])
 DEBRIS = np.array([0.66, 0.69, 0.71])  # shards of an unknown shell of several
 CLEAR, COLOURED = 0.30, 0.70  # opacity of glass: as it is, and with the colours of a quantity
-VARIED = 0.08  # lightness of pieces, by their id: a piece keeps its colour from the shell to its rest
+VARIED = 0.05  # lightness of pieces, by their id: a piece keeps its colour from the shell to its rest
 PALE = np.array([0.90, 0.92, 0.92])    # the largest fragment
 
 
@@ -266,10 +266,10 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
         broken = (kind == SHARD) | (kind == FROZEN)
         if broken.any():
             mine = bodies.triangles[broken]
-            part = parts_of_bodies(body[broken], look.part_of)
+            points, corners, smooth, side = _shaded_shards(bodies.points, mine, body[broken])
+            part = look.parts_by_thickness(bodies.points, mine, parts_of_bodies(body[broken], look.part_of))
             colours = _broken_colours(body[broken], (kind == FROZEN)[broken], look, part, several, speed[broken])
             clear = is_glass(np.maximum(part, 0), look.glass) & (part >= 0) if several else np.ones(len(part), bool)
-            points, corners, smooth, side = _shaded_shards(bodies.points, mine, body[broken])
             for where, surfaces in ((clear, glass), (~clear, solid)):
                 if where.any():
                     surfaces.append(_sheet(points, corners[where], colours[where], smooth, side[where]))

@@ -17,8 +17,7 @@ def varied(ids: np.ndarray, base: np.ndarray, amount: float) -> np.ndarray:
     """Varies the lightness of `base` by up to `amount`, in the same way for the same id; id 0 gives `base`."""
     golden = np.modf(np.asarray(ids, float) * GOLDEN)[0]
     tone = np.where(np.asarray(ids) == 0, 0.0, 2.0 * golden - 1.0)
-    tint = np.stack([tone, 0.6 * tone, 0.4 * tone], axis=1)
-    return np.clip(base * (1.0 + amount * tint), 0.0, 1.0)
+    return np.clip(base * (1.0 + amount * tone[:, None]), 0.0, 1.0)
 
 
 def pastel(ids: np.ndarray) -> np.ndarray:

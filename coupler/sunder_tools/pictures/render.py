@@ -28,6 +28,7 @@ from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
 from .ground import Ground
 from .lettering import draw_colour_bar, draw_text
 from .look import Look
+from .memory import keep_memory
 from .meshes import load_scene
 from .motion import body_velocity, shell_velocity
 from .raster import perspective_camera
@@ -112,6 +113,7 @@ def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | 
 
     With `speed` a film has pictures between frames, so that time runs evenly.
     """
+    keep_memory()
     frames = frames_of(folder, "render")
     _check_cycles(shot, film, spec, speed)
     if sheet:
@@ -202,7 +204,7 @@ def _set_stage(folder: Path, frames: list[Frame], numbers: Sequence[int], shot: 
         direction = -np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
     middle = 0.5 * (low + high)
     return _Stage(frames, replace(shot, look=look), middle + (low - middle) / shot.zoom, middle + (high - middle) / shot.zoom,
-                  direction, ground_of(seen, *wide))
+                  direction, ground_of(seen, *wide, look.endless))
 
 
 def _fastest(frames: list[Frame], numbers: Sequence[int]) -> float:

@@ -55,8 +55,8 @@ class _Shader:
         dark = shadows.on(world, normal)
         lambert = np.maximum(normal @ LIGHT32, 0.0)
         base = np.take(self.base, index, axis=0)
-        base *= ((0.50 + 0.58 * lambert) * (1.0 - dark))[:, None]
-        base += (0.45 * (_highlight(normal, eye) ** 8) ** 5 * (1.0 - 2.0 * dark) + 0.12 * _cube(1.0 - facing))[:, None]
+        base *= ((0.64 + 0.10 * normal[:, 2] + 0.28 * lambert + 0.06 * facing) * (1.0 - dark))[:, None]
+        base += (0.20 * (_highlight(normal, eye) ** 16) ** 5 * (1.0 - 2.0 * dark) + 0.10 * _cube(1.0 - facing))[:, None]
         return base
 
     def clear(self, index: np.ndarray, world: np.ndarray, eye: np.ndarray, shadows: Shadows,

@@ -110,6 +110,7 @@ class Words:
     masses: tuple[tuple[str, float], ...] = ()  # (body, [kg]) of spheres and boxes
     gravity: tuple[float, float, float] = STANDARD_GRAVITY
     appearances: tuple[tuple[str, Appearance], ...] = ()  # (material, how it looks)
+    endless: bool = False                 # some body is a half space
     speeds: tuple[tuple[str, float], ...] = ()  # (body, [m/s] at the start) of bodies that move
 
     def mass_under(self, probe: str) -> float | None:
@@ -229,7 +230,7 @@ def words_of(scene: Message, settings: list[str]) -> Words:
                  tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density), tuple(thickness),
                  tuple(str(_one(b, "name", default="")) for b in bodies),
                  tuple(str(_one(b, "material", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z),
-                 tuple(looks.items()), tuple(speeds))
+                 tuple(looks.items()), any("half_space" in b for b in bodies), tuple(speeds))
 
 
 def _appearances(scene: Message) -> dict[str, Appearance]:
