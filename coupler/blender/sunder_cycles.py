@@ -29,6 +29,7 @@ SKY = ((0.0, (0.20, 0.22, 0.25)), (0.10, (0.62, 0.66, 0.70)), (0.28, (0.30, 0.36
        (0.80, (1.1, 1.1, 1.08)))
 BRIGHTEST = 4.0       # of light that comes by glass or metal: single grains brighter than that would not average out
 CLEAREST = 0.12       # share of its colour that a sheet of glass has where it is looked through
+EXPOSURE = -0.55      # [stops]
 LEVEL = 1e-3          # [of the size of the scene] within which a body that is flat lies on the ground
 
 
@@ -58,7 +59,8 @@ def main() -> None:
     if job["threads"]:
         scene.render.threads_mode, scene.render.threads = "FIXED", job["threads"]
     scene.view_settings.view_transform = "Filmic"
-    scene.view_settings.look = "Medium High Contrast" if bpy.app.version < (4, 0, 0) else "None"
+    scene.view_settings.look = "High Contrast" if bpy.app.version < (4, 0, 0) else "None"  # Filmic alone makes colours pale
+    scene.view_settings.exposure = EXPOSURE
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
     for number, path in zip(job["frames"], job["pictures"]):
@@ -92,9 +94,9 @@ def _dress(material: Any, looks: dict[str, dict[str, Any]]) -> None:
     if kind == "metal":
         _put(shader, {"Metallic": 1.0})
     elif kind == "cloth":
-        _put(shader, {"Sheen": 0.6, "Sheen Weight": 0.6, "Specular": 0.1, "Specular IOR Level": 0.1})
+        _put(shader, {"Sheen": 0.3, "Sheen Weight": 0.3, "Specular": 0.1, "Specular IOR Level": 0.1})
     elif kind == "paint":
-        _put(shader, {"Specular": 0.5, "Specular IOR Level": 0.5, "Clearcoat": 1.0, "Coat Weight": 1.0, "Clearcoat Roughness": 0.03,
+        _put(shader, {"Specular": 0.5, "Specular IOR Level": 0.5, "Clearcoat": 0.5, "Coat Weight": 0.5, "Clearcoat Roughness": 0.03,
                       "Coat Roughness": 0.03})
     else:
         _put(shader, {"Specular": 0.4, "Specular IOR Level": 0.4})
@@ -119,14 +121,14 @@ def _let_light_through(tree: Any, shader: Any) -> None:
 
 
 def _hide_floors(ground: dict[str, Any]) -> None:
-    """Hides meshes that lie flat on the ground's height over all of the picture: the ground takes their place."""
+    """Hides meshes that lie flat on the ground's height: the ground takes their place. Two planes in one place are black where
+    each hides the other from the light."""
     for thing in bpy.data.objects:
         if thing.type != "MESH" or thing.parent is None:
             continue
         box = [thing.matrix_world @ Vector(corner) for corner in thing.bound_box]
         flat = all(abs(corner.z - ground["z"]) < LEVEL * ground["size"] for corner in box)
-        wide = all(max(c[k] for c in box) - min(c[k] for c in box) > ground["size"] for k in (0, 1))
-        if flat and wide:
+        if flat:
             thing.hide_render = True
             if thing.animation_data is not None:
                 thing.animation_data_clear()
@@ -142,7 +144,7 @@ def _ground(ground: dict[str, Any]) -> None:
     material = bpy.data.materials.new("ground")
     material.use_nodes = True
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    _put(shader, {"Base Color": (0.20, 0.205, 0.21, 1.0), "Roughness": 0.6, "Specular": 0.2, "Specular IOR Level": 0.2})
+    _put(shader, {"Base Color": (0.28, 0.285, 0.29, 1.0), "Roughness": 0.6, "Specular": 0.2, "Specular IOR Level": 0.2})
     mesh.materials.append(material)
     bpy.context.scene.collection.objects.link(bpy.data.objects.new("ground", mesh))
 
