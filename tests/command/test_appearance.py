@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +99,22 @@ class Pictures(unittest.TestCase):
                 self.assertEqual(len(whole), 5, "the shard too")
             clear = words_of(parse_text('materials { name: "acrylic" } shells { name: "one" material: "acrylic" }'), [])
             np.testing.assert_allclose(load_scene(frame, Look.of_words(clear)).glass.colours[0], ACRYLIC.colour)
+
+    def test_what_remains_of_several_shells_has_the_material_of_each(self) -> None:
+        """A frozen piece of two shells: its pairs of points are as far apart as its shells are thick."""
+        words = words_of(parse_text("""materials { name: "brass" } materials { name: "glass" strength: 1 } materials { name: "clay" }
+            shells { name: "cap" material: "brass" thickness_m: 0.001 } shells { name: "globe" material: "glass" thickness_m: 0.002 }
+            shells { name: "foot" material: "clay" thickness_m: 0.002 }"""), [])
+        points = np.array([[x, 0.0, z] for thick in (0.001, 0.002, 0.005) for x in (0.0, 1.0, 2.0) for z in (0.0, thick)])
+        triangles = np.array([[1, 3, 5], [7, 9, 11], [13, 15, 17], [0, 4, 2]])
+        unknown = np.array([-1, -1, -1, 2])
+        look = Look.of_words(words)
+        np.testing.assert_array_equal(look.parts_by_thickness(points, triangles, unknown), [0, -1, -1, 2])  # glass or clay
+        two = replace(look, thickness=(0.001, 0.002, 0.003))
+        np.testing.assert_array_equal(two.parts_by_thickness(points, triangles, unknown), [0, 1, -1, 2])
+        one = replace(look, colours=(look.colours[0],) * 3)
+        np.testing.assert_array_equal(one.parts_by_thickness(points, triangles, unknown), [0, 0, 0, 2])
+        np.testing.assert_array_equal(Look().parts_by_thickness(points, triangles, unknown), unknown)
 
 
 if __name__ == "__main__":

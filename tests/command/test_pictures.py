@@ -4,6 +4,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import resource
 import os
 import tempfile
 import unittest
@@ -13,23 +14,28 @@ from unittest import mock
 import numpy as np
 from PIL import Image
 
-from sunder_tools.pictures import contact_sheet
+from sunder_tools.pictures import contact_sheet, modes_sheet
 from sunder_tools.pictures.contact_sheet import GRIDS, WIDTH, ground_of, moment_text, stand, time_text, write_contact_sheet
 from sunder_tools.pictures.crack_lines import Graph
 from sunder_tools.pictures.flat import crack_pattern
 from sunder_tools.pictures.frames import SHELL, Frame, choose_frames, list_frames
 from sunder_tools.pictures.look import Look
+from sunder_tools.pictures.memory import keep_memory
 from sunder_tools.pictures.meshes import load_scene
 from sunder_tools.pictures.raster import orthographic_camera, perspective_camera, rasterise
 from sunder_tools.pictures.plots import there
 from sunder_tools.pictures.shadows import GLASS, LIGHT, SOLID, Shadows
 from sunder_tools.pictures.views import background, draw_scene
 from sunder_tools.pictures.vtp import VtpError, read_vtp
+from sunder_tools.report.appearance import PLASTER
 from sunder_tools.report.scene_text import SCENE_COPY
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests.validation.crack_pictures import _length_of_bar, draw_cracks, figure_of
 
 from .synthetic import THICKNESS_M, SyntheticRun, write_vtp
+
+
+PAGES = 4000
 
 
 class InAFolder(unittest.TestCase):
@@ -116,6 +122,20 @@ class VtpReader(InAFolder):
                 read_vtp(self.path)
 
 
+class Memory(unittest.TestCase):
+    def test_an_array_gets_the_pages_of_the_one_before(self) -> None:
+        keep_memory()
+
+        def faults() -> int:
+            before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+            for _ in range(8):
+                np.ones(PAGES * resource.getpagesize() // 8)
+            return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+        faults()
+        self.assertLess(faults(), PAGES)  # of eight times as many pages
+
+
 class Rasteriser(unittest.TestCase):
     def test_nearest_triangle_wins_and_areas_are_right(self) -> None:
         pixels = np.array([[0, 0], [100, 0], [0, 100], [0, 0], [50, 0], [0, 50]], float)
@@ -197,6 +217,21 @@ class ContactSheet(InAFolder):
             write_contact_sheet(self.folder)
         self.assertEqual(written.call_args_list[-1].args[2].split("     ")[:2], [self.folder.resolve().name, "failed"])
 
+    def test_modes_are_drawn_with_thickness_and_material(self) -> None:
+        self.synthetic(20)
+        (self.folder / SCENE_COPY).write_text('materials { name: "plaster" } shells { name: "pane" material: "plaster" thickness_m: 0.02 }')
+        told = {"name": "pane", "drawn_amplitude_m": 1e-3, "modes": [{"mode": k + 1, "frequency_Hz": 10.0 * k} for k in range(2)]}
+        (self.folder / modes_sheet.TABLE).write_text(json.dumps(told))
+        with mock.patch.object(modes_sheet, "draw_scene", wraps=draw_scene) as drawn:
+            path = modes_sheet.write_modes_sheet(self.folder)
+        self.assertEqual(drawn.call_count, 2)
+        for call in drawn.call_args_list:
+            self.assertEqual(call.args[0].thickness_m, 0.02)
+            base = call.args[0].solid.colours
+            self.assertTrue((np.abs(base - PLASTER.colour).max(axis=1) < 0.06).any(), "no plaster")
+        with Image.open(path) as image:
+            self.assertGreater(np.asarray(image.convert("L"), float)[60:340, 20:400].std(), 8.0, "blank")
+
     def test_no_frames(self) -> None:
         self.synthetic(3)
         (self.folder / "frames.pvd").write_text("<VTKFile><Collection/></VTKFile>")
@@ -213,6 +248,7 @@ class ContactSheet(InAFolder):
         self.assertFalse(scenes[0].solid.is_floor.any(), "the floor is drawn twice")
         wide = ground_of(scenes[1:], 5.0 * low, 5.0 * high)  # the floor of 2 by 2 m ends in the picture
         self.assertLess(wide.z, 0.0)
+        self.assertEqual(ground_of(scenes[1:], 5.0 * low, 5.0 * high, endless=True).z, 0.0)
         stand(scenes[1], wide)
         self.assertTrue(scenes[1].solid.is_floor.any())
 

@@ -32,8 +32,10 @@ def write_modes_sheet(folder: Path) -> Path:
     frames = list_frames(folder)[:MOST]
     if not frames:
         raise VtpError(f"{folder}/frames.pvd: no mode to draw")
-    scenes = [load_scene(frame, Look()) for frame in frames]
-    points = np.concatenate([scene.glass.points for scene in scenes])
+    look = Look.of(folder)
+    scenes = [load_scene(frame, look) for frame in frames]
+    points = np.concatenate([surface.points[np.unique(surface.triangles)] for scene in scenes
+                             for surface in (scene.glass, scene.solid)])
     low, high = points.min(axis=0), points.max(axis=0)
     columns = min(COLUMNS, len(frames))
     rows = -(-len(frames) // columns)
