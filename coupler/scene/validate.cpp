@@ -56,8 +56,6 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
     s.check(!m.has_youngs_modulus() || m.yield_stress() <= 0.05 * m.youngs_modulus(), f + ".yield_stress",
             "is {:.3g} of youngs_modulus; elastic strains must stay small, at most 0.05",
             m.yield_stress() / m.youngs_modulus());
-    s.check(!m.has_strength() || s.message.fracture().mode() != proto::Fracture::DAMAGE, f + ".yield_stress",
-            "and strength are both given with fracture.mode DAMAGE, whose law is elastic; take TIPS, or leave one out");
   }
   s.check(!m.has_hardening_modulus() || m.has_yield_stress(), f + ".hardening_modulus", "needs a yield_stress");
   not_negative(s, f + ".hardening_modulus", m.has_hardening_modulus(), m.hardening_modulus());
@@ -202,11 +200,8 @@ std::string patch_name(const proto::Shell& shell) {  // the field that is set
 void interlayer(const Scene& s, const std::string& f, const proto::Shell& shell) {
   const auto& core = shell.interlayer();
   const proto::Material* found = nullptr;
-  for (const auto& m : s.message.materials()) {
+  for (const auto& m : s.message.materials())
     if (m.name() == core.material()) found = &m;
-    s.check(m.name() != shell.material() || !m.has_yield_stress(), f + ".interlayer",
-            "is for glass, and material '{}' yields; leave one of them out", m.name());
-  }
   if (!found) refuse_name(s, f + ".interlayer.material", core.material(), "material", names_in(s.message.materials()));
   s.check(found->has_youngs_modulus() && found->has_poisson_ratio() && found->has_density(), f + ".interlayer.material",
           "'{}' needs density, youngs_modulus and poisson_ratio", core.material());

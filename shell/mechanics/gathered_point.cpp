@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "shell/mechanics/gathered_ductile.h"
+
 namespace sunder::shell {
 namespace {
 
@@ -50,14 +52,6 @@ Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std
 
 namespace {
 
-// Memory of one point; it stays as it is.
-struct PointMemory {
-  const PointDamage* damage;
-  double brittleness;
-  bool heals;
-  const RowPlasticity* plastic;
-};
-
 template <bool kHeals>
 typename WeakeningLayers<kHeals>::template At<double> weakening_at(const RowTables& t, PointDamage& d,
                                                                    double brittleness) {
@@ -93,55 +87,66 @@ double with_law_at(const RowTables& t, const GatheredPoint& p, const PointMemory
 }  // namespace
 
 std::optional<Derivatives<double>> point_force(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
-                                               double times, const PointDamage* damage, double brittleness, bool heals,
-                                               const RowPlasticity* plastic) {
+                                               double times, const PointMemory& memory) {
   if (p.kind == PointKind::kDead) return {};
   const Derivatives<double> d = gather(t, p, x);
   const Forms<double> f = forms_of(p, d);
   if (!bears(f, p.metric, t.layers)) return {};
   Resultants<double> r;
-  with_law_at(t, p, {damage, brittleness, heals, plastic}, [&](auto law) {
-    r = law.template resultants<false, false>(f, p.metric, true);
-    return 0.0;
-  });
+  if (memory.damage && memory.plastic)
+    r = ductile_resultants(t, p, f, memory);
+  else
+    with_law_at(t, p, memory, [&](auto law) {
+      r = law.template resultants<false, false>(f, p.metric, true);
+      return 0.0;
+    });
   if (!std::isfinite(r.n.c11 + r.n.c22 + r.m.c11 + r.m.c22)) return {};
   if (p.kind == PointKind::kLinear) r.m = {0.0, 0.0, 0.0};
   return section_forces(d, f, r, times * p.area);
 }
 
-double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const PointDamage* damage,
-                    double brittleness, bool heals) {
+double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
+                    const PointMemory& memory) {
   if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
   if (!bears(f, p.metric, t.layers)) return 0.0;
   double energy = 0.0;
-  if (damage) {
+  if (memory.damage && memory.plastic) {
+    double retained;
+    energy = ductile_energy(t, p, f, memory, retained);
+    energy -= retained;
+  } else if (memory.plastic) {
+    YieldingLayers::At<OnePlace> law({t, p.block, p.lane}, *memory.plastic);
+    energy = p.area * law.integrate<true, false, false>(f, p.metric, true).energy;
+  } else if (memory.damage) {
     Loss loss;
-    energy = weakened_energy(t, p, f, {damage, brittleness, heals, nullptr}, loss);
-    energy -= damage->retained + retained_since(*damage, loss, p.area);
+    energy = weakened_energy(t, p, f, memory, loss);
+    energy -= memory.damage->retained + retained_since(*memory.damage, loss, p.area);
   } else {
     energy = p.area * ElasticLayers::At<OnePlace>{t}.resultants<true, false>(f, p.metric, true).energy;
   }
   return std::isfinite(energy) ? energy : 0.0;
 }
 
-double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
-                    const RowPlasticity& plastic) {
+double full_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
+                   const PointMemory& memory) {
+  if (!memory.damage || !memory.plastic) return point_energy(t, p, x, {nullptr, 0.0, true, memory.plastic});
   if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
   if (!bears(f, p.metric, t.layers)) return 0.0;
-  YieldingLayers::At<OnePlace> law({t, p.block, p.lane}, plastic);
-  const double energy = p.area * law.integrate<true, false, false>(f, p.metric, true).energy;
+  double retained;
+  const double energy = ductile_energy(t, p, f, memory, retained);
   return std::isfinite(energy) ? energy : 0.0;
 }
 
-void settle(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, double brittleness,
-            PointDamage& d) {
+void settle_damage(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const PointMemory& memory,
+                   PointDamage& d) {
   if (p.kind == PointKind::kDead) return;
   const Forms<double> f = forms_of(p, gather(t, p, x));
   if (!bears(f, p.metric, t.layers)) return;
+  if (memory.plastic) return settle_ductile_damage(t, p, f, memory, d);
   Loss loss;
-  weakened_energy(t, p, f, {&d, brittleness, false, nullptr}, loss);
+  weakened_energy(t, p, f, {&d, memory.brittleness, false, nullptr}, loss);
   keep_worst(d, loss, p.area);
 }
 
@@ -161,16 +166,18 @@ void average_states(const OnePlace& place, std::vector<double>& states) {
 
 }  // namespace
 
-double settle(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const RowPlasticity& plastic) {
+double settle_flow(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
+                   const PointMemory& memory) {
   if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
   const OnePlace place{t, p.block, p.lane};
   if (!bears(f, p.metric, t.layers)) {
-    place.store(*plastic.forms, kFormFields, 0, true, -1.0);
+    place.store(*memory.plastic->forms, kFormFields, 0, true, -1.0);
     return 0.0;
   }
-  if (p.kind == PointKind::kLinear) average_states(place, *plastic.states);
-  RowPlasticity advancing = plastic;
+  if (p.kind == PointKind::kLinear) average_states(place, *memory.plastic->states);
+  if (memory.damage) return settle_ductile_flow(t, p, f, memory);
+  RowPlasticity advancing = *memory.plastic;
   advancing.advance = true;
   YieldingLayers::At<OnePlace> law{place, advancing};
   law.integrate<false, false, true>(f, p.metric, true);
@@ -179,19 +186,55 @@ double settle(const RowTables& t, const GatheredPoint& p, const std::vector<doub
   return work;
 }
 
-std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
+namespace {
+
+// The change of the reference metric by the flow of a layer.
+Sym2<double> flow_of(const OnePlace& place, const std::vector<double>& states, std::size_t layer) {
+  const int fields = 4 * static_cast<int>(place.t.layers.zeta.size()), first = 4 * static_cast<int>(layer);
+  return {place.load(states, fields, first), place.load(states, fields, first + 1),
+          place.load(states, fields, first + 2)};
+}
+
+// Resultants of the full stress, with the stored states of layers that yield.
+Resultants<double> full_resultants(const RowTables& t, const GatheredPoint& p, const Forms<double>& f,
+                                   const std::vector<double>& plastic) {
+  Resultants<double> r{};
+  for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
+    const double z = t.layers.zeta[l], w = t.layers.weight[l];
+    const Sym2<double> a = reference_at(p.metric, t.layers, l), flow = flow_of({t, p.block, p.lane}, plastic, l);
+    const Sym2<double> s = plane_stress<double>(at_height(f.a, f.b, z),
+                                                {a.c11 + flow.c11, a.c22 + flow.c22, a.c12 + flow.c12}, t.elasticity)
+                               .s;
+    r.n = {r.n.c11 + w * s.c11, r.n.c22 + w * s.c22, r.n.c12 + w * s.c12};
+    r.m = {r.m.c11 + w * z * s.c11, r.m.c22 + w * z * s.c22, r.m.c12 + w * z * s.c12};
+  }
+  return r;
+}
+
+}  // namespace
+
+std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
+                                       const std::vector<double>* plastic) {
   if (p.kind == PointKind::kDead) return {};
   const Forms<double> f = forms_of(p, gather(t, p, x));
   if (!bears(f, p.metric, t.layers)) return {};
-  const Resultants<double> r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
+  const Resultants<double> r = plastic ? full_resultants(t, p, f, *plastic)
+                                       : integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
   const double n[3] = {r.n.c11, r.n.c22, r.n.c12}, none[3] = {};
   const double m[3] = {r.m.c11, r.m.c22, r.m.c12};
   return linear_stress(n, p.kind == PointKind::kLinear ? none : m, thickness_of(t.layers));
 }
 
-double largest_stretch(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
+double largest_stretch(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
+                       const std::vector<double>* plastic) {
   const Derivatives<double> d = gather(t, p, x);
-  const Sym2<double> c{dot(d.u, d.u), dot(d.v, d.v), dot(d.u, d.v)}, &a = p.metric.a;
+  const Sym2<double> c{dot(d.u, d.u), dot(d.v, d.v), dot(d.u, d.v)};
+  Sym2<double> a = p.metric.a;
+  for (std::size_t l = 0; plastic && l < t.layers.zeta.size(); ++l) {
+    const double share = t.layers.weight[l] / thickness_of(t.layers);
+    const Sym2<double> flow = flow_of({t, p.block, p.lane}, *plastic, l);
+    a = {a.c11 + share * flow.c11, a.c22 + share * flow.c22, a.c12 + share * flow.c12};
+  }
   const double inverse = 1.0 / determinant(a);
   // squares of the stretches are the eigenvalues of a^-1 c
   const double half = 0.5 * inverse * (a.c22 * c.c11 + a.c11 * c.c22 - 2.0 * a.c12 * c.c12);

@@ -40,39 +40,48 @@ struct GatheredPoint {
 std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride);
 void patch_functions(const Patch& patch, const Vec2& p, int stride, std::vector<GatheredFunction>& out);
 
-/// Force of one point on its derivatives, multiplied by `times`. The memory of the point stays as it is. Empty: the
-/// point exerts no force.
+/// What the layers of a point remember, and their laws; it stays as it is. Null: they do not weaken, or do not yield.
+struct PointMemory {
+  const PointDamage* damage = nullptr;
+  double brittleness = 0.0;
+  bool heals = true;
+  const RowPlasticity* plastic = nullptr;
+};
+
+/// Force of one point on its derivatives, multiplied by `times`. Empty: the point exerts no force.
 std::optional<Derivatives<double>> point_force(const RowTables& t, const GatheredPoint& point,
                                                const std::vector<double>& x, double times,
-                                               const PointDamage* damage = nullptr, double brittleness = 0.0,
-                                               bool heals = true, const RowPlasticity* plastic = nullptr);
+                                               const PointMemory& memory = {});
 /// Adds direction k of such a force to the control points in `force`.
 void spread(const RowTables& t, const GatheredPoint& point, const Derivatives<double>& of_point, int k,
             std::vector<double>& force);
 
 /// Elastic energy of one point [J].
 double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
-                    const PointDamage* damage = nullptr, double brittleness = 0.0, bool heals = true);
-/// The same for layers that yield; the states stay as they are.
-double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
-                    const RowPlasticity& plastic);
+                    const PointMemory& memory = {});
+/// The same as if it were not weakened.
+double full_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+                   const PointMemory& memory = {});
 /// For damage without healing: sets the memory of a point as if it had reached these positions with its present shape
-/// functions.
-void settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, double brittleness,
-            PointDamage& damage);
+/// functions. The laws are those of `memory`.
+void settle_damage(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+                   const PointMemory& memory, PointDamage& damage);
 /// The same for layers that yield. Returns the plastic work [J]. A linear point has no curvature, and its layers take
 /// their mean state.
-double settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
-              const RowPlasticity& plastic);
+double settle_flow(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+                   const PointMemory& memory);
 
 /// First and second derivatives of the surface at a point.
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
 
-/// Stress of both faces of a point without damage [Pa]: 11 22 12 of the lower face, then of the upper.
-std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
+/// Stress of both faces of a point without damage [Pa]: 11 22 12 of the lower face, then of the upper. `plastic`:
+/// states of layers that yield, as in RowPlasticity; null: none.
+std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+                                       const std::vector<double>* plastic = nullptr);
 
-/// Largest principal stretch of the middle surface at a point.
-double largest_stretch(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
+/// Largest principal stretch of the middle surface at a point, beyond the mean flow of its layers.
+double largest_stretch(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+                       const std::vector<double>* plastic = nullptr);
 
 /// Stress of both faces [Pa] by resultants n [N/m] and m [N], each 11 22 12, of a section of `thickness` [m].
 inline std::array<double, 6> linear_stress(const double* n, const double* m, double thickness) {

@@ -8,7 +8,9 @@
 
 namespace sunder::shell {
 
-constexpr int kMostLayers = 16;  // of a law with memory
+constexpr int kMostLayers = 16;        // of a law with memory
+constexpr int kPointChunks = 4;        // into which gathered points are divided, whatever the number of threads
+constexpr std::size_t kPointRun = 64;  // consecutive points that one chunk takes, in turns: a new point moves no other
 
 struct RowPlasticity;
 struct RowDamage;
@@ -24,6 +26,7 @@ struct LayerMemory {
 //   load(values, fields, field)             a value for each lane
 //   store(values, fields, field, where, v)  of the lanes `where`
 //   add(sum, where, area, per_area)         adds area * per_area of the lanes `where` to a sum
+//   sum_slot()                              number of a sum that no other thread adds to
 
 /// A pack of the row kernel: the lanes stand side by side, from `lane` on.
 struct RowPlaces {
@@ -31,6 +34,7 @@ struct RowPlaces {
   const RowTables& t;
   int block, lane;
 
+  int sum_slot() const { return block / (t.gauss * t.gauss); }
   Pack load(const std::vector<double>& values, int fields, int field) const {
     return shell::load<Pack>(values.data() + t.at(block, fields, field, lane));
   }
@@ -51,6 +55,7 @@ struct PointPlaces {
   std::array<int, kLanes> block, lane;
   std::array<std::size_t, kLanes> index;  // in the list of gathered points
 
+  int sum_slot() const { return static_cast<int>(index[0] / kPointRun % kPointChunks); }
   Pack load(const std::vector<double>& values, int fields, int field) const {
     Pack v{};
     for (int i = 0; i < kLanes; ++i) v[i] = values[t.at(block[i], fields, field, lane[i])];
@@ -72,6 +77,7 @@ struct OnePlace {
   const RowTables& t;
   int block, lane;
 
+  int sum_slot() const { return 0; }
   double load(const std::vector<double>& values, int fields, int field) const {
     return values[t.at(block, fields, field, lane)];
   }

@@ -8,8 +8,9 @@
 
 namespace sunder::shell {
 
-/// The first whose memory is there is in force. `at(places, memory)` of a law gives its state at a pack of either
-/// kernel, or at one point. The state has these members:
+/// The first whose memory is there is in force; layers that remember both flow and damage have DuctileLayers.
+/// `at(places, memory)` of a law gives its state at a pack of either kernel, or at one point. The state has these
+/// members:
 ///   resultants<kEnergy, kRecord>(forms, ref, summed)
 ///       n, m and, with kEnergy, the energy [J/m^2].
 ///   keep<kEnergy, kRecord>(forms, own, sound, area, booked)

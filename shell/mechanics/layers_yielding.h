@@ -139,8 +139,7 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
                                                const Forms<T>* last = nullptr) {
   Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
   const std::size_t top = layers.zeta.size() - 1;
-  double half = 0.0;
-  for (const double w : layers.weight) half += 0.5 * w;
+  const double half = half_height(layers);
   Sym2<T> below{T{}, T{}, T{}};  // stress of the previous layer
   decltype(return_to_yield<T>(*plastic, below, below, y)) flowed_low{};
   T limit_low{};
@@ -215,6 +214,7 @@ struct RowPlasticity {
   std::vector<double>* forms = nullptr;
   bool advance = false;     // states advance; only where stress is recorded
   double dissipated = 0.0;  // gains the plastic work of states that advance [J]
+  double* sums = nullptr;   // of DuctileLayers: plastic work by the sum_slot() of its place [J]
 };
 
 /// The law of layers that yield, for both kernels.

@@ -13,7 +13,6 @@ namespace sunder::shell {
 /// time. Positions and forces are [component][slot].
 using PointsBeside = std::function<void(int chunk, int chunks, const double* x, double* force)>;
 
-constexpr int kPointChunks = 4;  // fixed, so that sums do not depend on the number of threads
 /// Memory of the kernel, reused.
 struct PointScratch {
   std::array<PointStrips, kPointChunks> strips;
@@ -24,7 +23,7 @@ struct PointScratch {
 /// Damage weakens tension by the present stress, and its memory changes where stress is recorded. With healing a
 /// damaged point is elastic but softer: its energy is the full one less the retained one, and a crack that opens there
 /// dissipates the stored energy. Without healing the energy is that of unloading along the secant, and the rest is
-/// dissipated. Layers that yield continue with the states of the rows, and have no damage. Stress is recorded as in
+/// dissipated. Layers that yield continue with the states of the rows. Stress is recorded as in
 /// row_forces. The result does not depend on the number of threads: a fixed number of chunks is summed in order.
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const ForceCall& call,
                         const LayerMemory& memory, PointScratch& scratch, std::vector<double>& force,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "shell/mechanics/ductile_force.h"
 #include "shell/mechanics/row_element.h"
 
 namespace sunder::shell {
@@ -37,10 +38,13 @@ double row_forces(const RowTables& t, const ForceCall& call, const LayerMemory& 
                   std::vector<double>& force) {
   const std::size_t row_size = 3 * static_cast<std::size_t>(t.support()) * t.stride;
   scratch.row_force.resize(row_size * t.spans_v);
-  scratch.row_energy.resize(t.spans_v), scratch.row_booked.resize(t.spans_v);
+  const bool ductile = is_ductile(memory);  // the second half of what is booked is plastic work
+  scratch.row_energy.resize(t.spans_v), scratch.row_booked.assign((ductile ? 2 : 1) * t.spans_v, 0.0);
   const double* positions = homogeneous(t, call.x, scratch);
   const bool record = call.stress.values != nullptr;
-  const RowFunction row = (t.degree == 2 ? quadratic_row : cubic_row)(t.rational, memory, call.energy, record);
+  const RowFunction row = ductile
+                              ? ductile_row(t, memory, call.energy, record, &scratch.row_booked[t.spans_v])
+                              : (t.degree == 2 ? quadratic_row : cubic_row)(t.rational, memory, call.energy, record);
 #pragma omp parallel for schedule(static) num_threads(call.threads)
   for (int f = 0; f < t.spans_v; ++f) {
     const RowSums sums = row(t, positions, call.stress, memory, f, &scratch.row_force[row_size * f]);
@@ -49,9 +53,13 @@ double row_forces(const RowTables& t, const ForceCall& call, const LayerMemory& 
   sum_rows(t, scratch, call.threads, force);
   double sum = 0.0;
   for (const double e : scratch.row_energy) sum += e;
-  double booked = 0.0;
-  for (const double b : scratch.row_booked) booked += b;
-  with_layers(memory, [&]<class Law>(Law) { Law::book_rows(memory, booked); });
+  double booked = 0.0, flow = 0.0;
+  for (int f = 0; f < t.spans_v; ++f) booked += scratch.row_booked[f];
+  for (int f = 0; f < t.spans_v && ductile; ++f) flow += scratch.row_booked[t.spans_v + f];
+  if (ductile)
+    book_ductile_rows(memory, booked, flow);
+  else
+    with_layers(memory, [&]<class Law>(Law) { Law::book_rows(memory, booked); });
   return call.energy ? sum : 0.0;
 }
 

@@ -33,6 +33,16 @@ Layers plies(int count, double thickness, double inner) {
   return layers;
 }
 
+double half_height(const Layers& layers) {
+  constexpr double kOfOneSheet = 1.0 + 1e-9;
+  double half = 0.0, second = 0.0;
+  for (std::size_t l = 0; l < layers.zeta.size(); ++l)
+    half += 0.5 * layers.weight[l], second += layers.weight[l] * layers.zeta[l] * layers.zeta[l];
+  if (second <= kOfOneSheet * (2.0 / 3.0) * half * half * half) return half;
+  // two plies with a core between them: their second moment tells the height of their middles
+  return std::sqrt(second / (2.0 * half) - half * half / 12.0) + 0.5 * half;
+}
+
 Layers linear_bending(double thickness) {
   Layers layers;
   layers.zeta = {0.0}, layers.weight = {thickness};

@@ -24,6 +24,8 @@ inline double thickness_of(const Layers& layers) {
   for (const double w : layers.weight) sum += w;
   return sum;
 }
+/// Height of the outer face above the middle surface [m].
+double half_height(const Layers& layers);
 Layers gauss_layers(int count, double thickness);
 /// Two plies beside a core of thickness `inner` [m], with `count` layers in each ply.
 Layers plies(int count, double thickness, double inner);

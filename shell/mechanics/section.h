@@ -1,5 +1,7 @@
 #pragma once
 // One point of the mid-surface: from tangents and second derivatives to strain, and from resultants to forces.
+#include <cmath>
+
 #include "shell/mechanics/row_tables.h"
 
 namespace sunder::shell {
@@ -68,6 +70,30 @@ template <class T>
   }
   return a;
 }
+
+/// Vectors of the plane with the metric `c`, the first along the first axis: columns g1 = (g11, 0), g2 = (g12, g22).
+/// They lead to orthonormal components and back.
+struct PlaneBasis {
+  double g11, g12, g22;
+  explicit PlaneBasis(const Sym2<double>& c)
+      : g11(std::sqrt(c.c11)), g12(c.c12 / g11), g22(std::sqrt(determinant(c)) / g11) {}
+  /// Orthonormal components of a contravariant tensor, times `scale`.
+  Sym2<double> push(const Sym2<double>& s, double scale) const {
+    return {scale * (s.c11 * g11 * g11 + 2.0 * s.c12 * g11 * g12 + s.c22 * g12 * g12), scale * s.c22 * g22 * g22,
+            scale * (s.c12 * g11 * g22 + s.c22 * g12 * g22)};
+  }
+  /// Orthonormal components of a covariant tensor.
+  Sym2<double> pull(const Sym2<double>& e) const {
+    const double i11 = 1.0 / g11, i22 = 1.0 / g22, i12 = -g12 * i11 * i22;  // the inverse, upper triangular
+    return {i11 * i11 * e.c11, i12 * i12 * e.c11 + 2.0 * i12 * i22 * e.c12 + i22 * i22 * e.c22,
+            i11 * (i12 * e.c11 + i22 * e.c12)};
+  }
+  /// Covariant components of a tensor with orthonormal components `e`.
+  Sym2<double> lower(const Sym2<double>& e) const {
+    return {g11 * g11 * e.c11, g12 * g12 * e.c11 + 2.0 * g12 * g22 * e.c12 + g22 * g22 * e.c22,
+            g11 * (g12 * e.c11 + g22 * e.c12)};
+  }
+};
 
 /// Stress at the lower and the upper face [Pa].
 template <class T>

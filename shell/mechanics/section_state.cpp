@@ -15,24 +15,6 @@ struct LayerState {
   double plastic = 0.0, limit = 1e300;  // [-], yield stress [Pa]
 };
 
-// Vectors of the plane with this metric, the first along the first axis: columns g1, g2.
-struct PlaneBasis {
-  double g11, g12, g22;  // g1 = (g11, 0), g2 = (g12, g22)
-  explicit PlaneBasis(const Sym2<double>& c)
-      : g11(std::sqrt(c.c11)), g12(c.c12 / g11), g22(std::sqrt(determinant(c)) / g11) {}
-  // Orthonormal components of a contravariant tensor, times `scale`.
-  Sym2<double> push(const Sym2<double>& s, double scale) const {
-    return {scale * (s.c11 * g11 * g11 + 2.0 * s.c12 * g11 * g12 + s.c22 * g12 * g12), scale * s.c22 * g22 * g22,
-            scale * (s.c12 * g11 * g22 + s.c22 * g12 * g22)};
-  }
-  // Orthonormal components of a covariant tensor.
-  Sym2<double> pull(const Sym2<double>& e) const {
-    const double i11 = 1.0 / g11, i22 = 1.0 / g22, i12 = -g12 * i11 * i22;  // the inverse, upper triangular
-    return {i11 * i11 * e.c11, i12 * i12 * e.c11 + 2.0 * i12 * i22 * e.c12 + i22 * i22 * e.c22,
-            i11 * (i12 * e.c11 + i22 * e.c12)};
-  }
-};
-
 void add(Sym2<double>& to, const Sym2<double>& a, double by = 1.0) {
   to = {to.c11 + by * a.c11, to.c22 + by * a.c22, to.c12 + by * a.c12};
 }
@@ -77,7 +59,8 @@ Section sum_layers(const RowTables& t, const GatheredPoint& p, const Forms<doubl
     LayerState layer{z};
     if (memory.plastic) {
       PlasticState<double> s = plastic_state({t, p.block, p.lane}, *memory.plastic, l, count);
-      return_to_yield<double>(s, c, a, *memory.yielding);
+      // beyond its peak a layer that weakens is above the yield stress, and does not flow
+      if (!memory.damage) return_to_yield<double>(s, c, a, *memory.yielding);
       add(a, s.change);
       layer.plastic = s.strain;
       layer.limit = memory.yielding->yield_stress + memory.yielding->hardening_modulus * s.strain;

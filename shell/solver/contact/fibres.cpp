@@ -37,13 +37,20 @@ Fibres::Fibres(const std::vector<const ShellModel*>& shells, const std::vector<S
 
 void Fibres::add_samples(const ShellRef& shell, const Tile& tile) {
   const ShellModel& m = *shell.model;
-  const ShellState& s = *shell.state;
+  ShellState& s = *shell.state;
   NearTiles::each_gauss_point(m, tile, [&](int block, int lane, double area) {
     const Vec2 at = gauss_point(m.patch, m.tables, block, lane).parameter;
+    const int cracked = s.cracked.point_of[static_cast<std::size_t>(block) * m.tables.lanes + lane];
+    const GatheredPoint* own = cracked < 0 ? nullptr : &s.cracked.gathered[cracked];
+    if (own && (own->kind == PointKind::kDead || own->handed_off)) {
+      // rubble has no fibres, and those of a piece that was handed off are its body's contact
+      for (int side = 0; side < 2; ++side) relax(m, s, {tile.shell, block, lane}, side, Vec3::UnitZ());
+      return;
+    }
     LayerSample q;
     q.area = area, q.thickness = m.thickness, q.mass = m.material.density * m.thickness * area, q.shell = tile.shell;
     q.rest = Vec3::Zero();
-    for (const GatheredFunction& f : patch_functions(m.patch, at, m.tables.stride)) {
+    for (const GatheredFunction& f : own ? own->functions : patch_functions(m.patch, at, m.tables.stride)) {
       functions_.push_back(f);
       q.rest += f.n[0] * s.at(m.rest, f.slot);
     }
@@ -176,8 +183,20 @@ void Fibres::find_forces(const std::vector<ShellRef>& shells, double dt) {
   }
 }
 
+// A number that rises where cracks or a hand-off have changed Gauss points.
+std::size_t Fibres::changes(const std::vector<ShellRef>& shells) {
+  std::size_t sum = 0;
+  for (const ShellRef& shell : shells) {
+    sum += shell.state->cracks.graph.edges().size();
+    for (const GatheredPoint& g : shell.state->cracked.gathered)
+      sum += (g.kind == PointKind::kDead ? 1 : 0) + (g.handed_off ? 1 : 0);
+  }
+  return sum;
+}
+
 void Fibres::advance(const std::vector<ShellRef>& shells, double dt) {
-  if (age_++ % kContactRefresh == 0) refresh(shells, dt), age_ = 1;
+  const std::size_t now = changes(shells);
+  if (age_++ % kContactRefresh == 0 || now != changes_) refresh(shells, dt), age_ = 1, changes_ = now;
   find_forces(shells, dt);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Shear and compression through the thickness of shells that touch one another, or themselves. These are the paper's
-// type-III particles, one on either side of each Gauss point. They keep layers apart and hold them by friction, in
-// place of solver/contact/shell_contact.h.
+// type-III particles, one on either side of each Gauss point. Beside a crack they have the functions of their Gauss
+// point. They keep layers apart and hold them by friction, in place of solver/contact/shell_contact.h.
 #include "shell/contact/fibre_grid.h"
 #include "shell/solver/contact/near_tiles.h"
 
@@ -37,6 +37,7 @@ class Fibres {
     int shell, block, lane;
   };
   void refresh(const std::vector<ShellRef>& shells, double dt);
+  static std::size_t changes(const std::vector<ShellRef>& shells);
   void add_samples(const ShellRef& shell, const Tile& tile);
   void look(const std::vector<ShellRef>& shells);
   void advance_fibre(const ShellModel& model, ShellState& state, std::size_t sample, int side, double dt);
@@ -61,6 +62,7 @@ class Fibres {
   double energy_ = 0.0;
   int age_ = 0;
   bool known_ = false;
+  std::size_t changes_ = 0;  // when candidates were looked up
 };
 
 /// Returns the stable step [s] of shells with fibres, whose own stable step is `alone`. It holds for any stack of

@@ -8,6 +8,7 @@
 #include "shell/mechanics/row_force.h"
 #include "shell/solver/cracking/damage_lattice.h"
 #include "shell/solver/cracking/insertion.h"
+#include "shell/solver/forces.h"
 
 namespace sunder::shell {
 namespace {
@@ -131,6 +132,8 @@ int join(const ShellModel& m, ShellState& s, const DamageRules& r, const DamageL
   return insert_way(m, s, end, vertex >= 0 ? vertex : s.cracks.graph.add_vertex(target), time);
 }
 
+const std::vector<double>* plastic_states(const ShellState& s) { return s.yields() ? &s.layers.plastic : nullptr; }
+
 // Direction in which the undamaged stress opens a crack, on the mean over visible points ahead of `p`. False where none
 // bears.
 bool opening_direction(const ShellModel& m, const ShellState& s, const Vec2& p, const Vec2& ahead, int skip,
@@ -144,7 +147,7 @@ bool opening_direction(const ShellModel& m, const ShellState& s, const Vec2& p, 
     const Vec2 q = gauss_point(m.patch, t, g.block, g.lane).parameter, d = q - p;
     if (d.squaredNorm() > radius * radius || d.dot(ahead) < 0.0 || !s.cracks.graph.visible(p + kEyeShare * d, q, skip))
       continue;
-    const std::array<double, 6> own = undamaged_stress(t, g, s.motion.x);
+    const std::array<double, 6> own = undamaged_stress(t, g, s.motion.x, plastic_states(s));
     const double w = std::exp(-kRadialFall * d.squaredNorm() / (radius * radius));
     sum += w;
     for (int k = 0; k < 6; ++k) face_stress[k] += w * own[k];
@@ -213,7 +216,7 @@ int start_broad(const ShellModel& m, ShellState& s, const DamageRules& r, const 
     if (g.kind == PointKind::kDead) continue;
     const Vec2 q = gauss_point(m.patch, m.tables, g.block, g.lane).parameter;
     if (!grid.damaged(q) || grid.breadth(q) < r.broad_damage) continue;
-    const std::array<double, 6> face_stress = undamaged_stress(m.tables, g, s.motion.x);
+    const std::array<double, 6> face_stress = undamaged_stress(m.tables, g, s.motion.x, plastic_states(s));
     for (int face = 0; face < 2; ++face) {
       const Principal stress = principal(face_stress[3 * face], face_stress[3 * face + 1], face_stress[3 * face + 2]);
       const double ratio = stress.high / s.cracked.damage[&g - s.cracked.gathered.data()].strength;
@@ -234,14 +237,17 @@ void tear(const ShellModel& m, ShellState& s, const DamageRules& r) {
     GatheredPoint& g = s.cracked.gathered[i];
     PointDamage& d = s.cracked.damage[i];
     if (g.kind == PointKind::kDead || d.damage() < 1.0f) continue;
-    const std::array<double, 6> face_stress = undamaged_stress(m.tables, g, s.motion.x);
+    const std::array<double, 6> face_stress = undamaged_stress(m.tables, g, s.motion.x, plastic_states(s));
     const double limit = r.torn_stress * d.strength * (1.0 + s.layers.brittleness) / s.layers.brittleness;
     const double strain = limit * (1.0 + m.material.poisson_ratio) / m.material.youngs_modulus;
     if (std::min(principal(face_stress[0], face_stress[1], face_stress[2]).high,
                  principal(face_stress[3], face_stress[4], face_stress[5]).high) < limit &&
-        largest_stretch(m.tables, g, s.motion.x) < 1.0 + strain)
+        largest_stretch(m.tables, g, s.motion.x, plastic_states(s)) < 1.0 + strain)
       continue;
-    s.book.fracture += point_energy(m.tables, g, s.motion.x, &d, s.layers.brittleness, s.layers.heals);
+    RowPlasticity plastic;
+    if (s.yields()) plastic = plasticity_of(m, s);
+    s.book.fracture += point_energy(m.tables, g, s.motion.x,
+                                    {&d, s.layers.brittleness, s.layers.heals, s.yields() ? &plastic : nullptr});
     gather_point(m, s, g.block, g.lane);
     g.kind = PointKind::kDead, g.functions.clear();
     s.cracked.note_kind(g);

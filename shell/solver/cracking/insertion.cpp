@@ -189,6 +189,11 @@ void watch_point(const ShellModel& m, ShellState& s, int block, int lane) {
 
 namespace {
 
+// `plastic` is read where layers yield.
+PointMemory memory_of(const ShellState& s, const PointDamage* damage, const RowPlasticity& plastic) {
+  return {damage, s.layers.brittleness, s.layers.heals, s.yields() ? &plastic : nullptr};
+}
+
 // A Gauss point that new edges touch.
 struct Renewal {
   Renewal(int block, int lane, int visibility) : block(block), lane(lane), visibility(visibility) {}
@@ -212,16 +217,19 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, double time, 
   PointDamage fresh;
   if (s.weakens()) fresh.strength = s.layers.strength[gauss];
   const PointDamage* damage = !s.weakens() ? nullptr : point >= 0 ? &s.cracked.damage[point] : &fresh;
-  const auto elastic = [&](const GatheredPoint& g) {
-    return s.yields() ? point_energy(t, g, s.motion.x, plasticity_of(m, s)) : point_energy(t, g, s.motion.x);
-  };
+  RowPlasticity layers;
+  if (s.yields()) layers = plasticity_of(m, s);
+  const PointMemory memory = memory_of(s, damage, layers);
+  // damage changes the energy of the full material only by what flows
+  const PointMemory of_full = memory_of(s, s.yields() ? damage : nullptr, layers);
+  const auto elastic = [&](const GatheredPoint& g) { return full_energy(t, g, s.motion.x, of_full); };
   // edges of one moment are tried on one state: longer ones, shorter ones, those of the next tip
   const auto at_present = [&](const GatheredPoint& g, TimedEnergy& known) {
     if (s.yields() || known.time != time) known = {elastic(g), time};
     return known.energy;
   };
   const double full = s.caches.trials.empty() ? elastic(old) : at_present(old, s.caches.trials[r.visibility].present);
-  const double held = damage ? point_energy(t, old, s.motion.x, damage, s.layers.brittleness, s.layers.heals) : full;
+  const double held = damage ? point_energy(t, old, s.motion.x, memory) : full;
   s.caches.visibility[r.visibility].update(control_grid(m), s.cracks.graph, first);
   Visibility visibility = s.caches.visibility[r.visibility];
   visibility.update(control_grid(m), s.cracks.graph, end);
@@ -251,7 +259,7 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, double time, 
     // a damaged point stores the same share of the full energy as before
     d.retained = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
   } else if (damage) {
-    settle(t, *r.point, s.motion.x, s.layers.brittleness, d);
+    settle_damage(t, *r.point, s.motion.x, memory, d);
   }
   r.before = held, r.after = left - d.retained;
   r.damage = d;
@@ -282,8 +290,7 @@ void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, 
   if (s.yields()) layers = plasticity_of(m, s);
   const bool damaged = s.weakens();
   const auto force_of = [&](const GatheredPoint& g, double times, const PointDamage* damage) {
-    return point_force(t, g, s.motion.x, times, damage, s.layers.brittleness, s.layers.heals,
-                       s.yields() ? &layers : nullptr);
+    return point_force(t, g, s.motion.x, times, memory_of(s, damage, layers));
   };
   const auto index_of = [&](const Renewal& r) -> int& {
     return s.cracked.point_of[static_cast<std::size_t>(r.block) * t.lanes + r.lane];
@@ -293,7 +300,7 @@ void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, 
     const int known = index_of(r);
     const GatheredPoint& old = present_point(m, s, r.block, r.lane, r.made);
     r.lost = force_of(old, 1.0, damaged && known >= 0 ? &s.cracked.damage[known] : nullptr);
-    if (s.yields()) settle(t, *r.point, s.motion.x, layers);
+    if (s.yields()) settle_flow(t, *r.point, s.motion.x, memory_of(s, damaged ? &r.damage : nullptr, layers));
     r.gained = force_of(*r.point, -1.0, damaged ? &r.damage : nullptr);
   }
   std::vector<double>& discontinuity = s.discontinuity();
@@ -382,7 +389,11 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   if (s.yields())  // positions have moved since the layers last yielded; that work is not the crack's
     for (const auto& [block, lane] : touched) {
       GatheredPoint made;
-      s.book.plastic += settle(t, present_point(m, s, block, lane, made), s.motion.x, plasticity_of(m, s));
+      const int point = s.cracked.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+      const RowPlasticity layers = plasticity_of(m, s);
+      const PointDamage* damage = s.weakens() && point >= 0 ? &s.cracked.damage[point] : nullptr;
+      s.book.plastic +=
+          settle_flow(t, present_point(m, s, block, lane, made), s.motion.x, memory_of(s, damage, layers));
     }
 #pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
   for (std::size_t k = 0; k < changed.size(); ++k) renew(m, s, first, end, time, changed[k]);

@@ -113,9 +113,6 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"MotionThatBeginsWithAJump", "elements_y: 16 }\n",
              "elements_y: 16 }\n  supports { edges: ALL kind: CLAMPED motion { displacement { z: 0.1 } } }\n", 10,
              "begins with a jump"},
-        Case{"YieldStressAndDamage", "poisson_ratio: 0.22 }",
-             "poisson_ratio: 0.22 strength: 6e7 fracture_energy: 8 yield_stress: 1e8 }\nfracture { mode: DAMAGE }", 4,
-             "whose law is elastic"},
         Case{"SphereThatFalls", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
              "  sphere { radius_m: 1 angle_deg: 60 from_deg: 40 to_deg: 20 elements_u: 4 elements_v: 4 }", 9,
              "must rise"},
@@ -254,6 +251,19 @@ TEST(Yielding, AllowsCutsAndExcludesOtherStressModels) {
   for (const char* model : {"PAPER_PROJECTION", "JGT17", "GHF18"})
     EXPECT_NE(std::string(with(std::string("  stress_model: ") + model).what()).find("yields in plane stress"),
               std::string::npos);
+}
+
+TEST(Yielding, GoesWithDamageAndWithAnInterlayer) {
+  EXPECT_EQ(refusal(replaced("poisson_ratio: 0.22 }",
+                             "poisson_ratio: 0.22 strength: 6e6 fracture_energy: 80 yield_stress: 1e6 "
+                             "hardening_modulus: 1e9 }\nfracture { mode: DAMAGE }"))
+                .kind,
+            "accepted");
+  std::string text = replaced("poisson_ratio: 0.22 }",
+                              "poisson_ratio: 0.22 yield_stress: 1e8 }\nmaterials { name: \"film\" density: 1000 "
+                              "youngs_modulus: 1e8 poisson_ratio: 0.4 }");
+  text.insert(text.find("elements_y: 16 }\n") + 17, "  interlayer { material: \"film\" thickness_m: 0.001 }\n");
+  EXPECT_EQ(refusal(text).kind, "accepted");
 }
 
 TEST(Tempering, AllowsYieldingOrCrackingButNotBoth) {

@@ -8,6 +8,7 @@
 
 #include "proto/shell.pb.h"
 #include "shell/mechanics/laws.h"
+#include "shell/mechanics/layers_ductile.h"
 #include "shell/mechanics/point_force.h"
 #include "tests/shell/fixtures.h"
 
@@ -123,6 +124,25 @@ struct Memory<WeakeningLayers<kHeals>> : Memory<ElasticLayers> {
   std::vector<double> state() const {
     std::vector<double> all;
     for (const PointDamage& d : damage) all.insert(all.end(), d.history.begin(), d.history.end());
+    return all;
+  }
+};
+
+template <bool kHeals>
+struct Memory<DuctileLayers<kHeals>> : Memory<WeakeningLayers<kHeals>> {
+  using Damage = Memory<WeakeningLayers<kHeals>>;
+  Memory<YieldingLayers> flow;
+  explicit Memory(const Both& b) : Damage(b), flow(b) {
+    for (double& s : this->strength) s = 4e6;  // above the yield stress
+    for (PointDamage& d : this->damage) d.strength = 4e6;
+  }
+  LayerMemory rows() { return {&flow.law, &this->row_law, nullptr}; }
+  LayerMemory points() { return {&flow.law, nullptr, &this->point_law}; }
+  void advance(bool now) { flow.advance(now); }
+  double booked() const { return flow.booked() + Damage::booked(); }
+  std::vector<double> state() const {
+    std::vector<double> all = flow.state(), damage = Damage::state();
+    all.insert(all.end(), damage.begin(), damage.end());
     return all;
   }
 };
@@ -260,13 +280,18 @@ TEST(ElasticLaws, StandInTheOrderOfTheSceneLanguage) {
 
 template <class Law>
 class LayerLawTest : public testing::Test {};
-TYPED_TEST_SUITE(LayerLawTest, TypesOf<LayerLaws>::Types);
+using AllLayerLaws = decltype(std::tuple_cat(std::tuple<DuctileLayers<true>, DuctileLayers<false>>{}, LayerLaws{}));
+TYPED_TEST_SUITE(LayerLawTest, TypesOf<AllLayerLaws>::Types);
 
 TYPED_TEST(LayerLawTest, IsInForceWhereItsMemoryIs) {
   const Both b;
   Memory<TypeParam> m(b);
   const auto expect = [](const LayerMemory& memory) {
-    with_layers(memory, []<class Law>(Law) { EXPECT_TRUE((std::is_same_v<Law, TypeParam>)); });
+    const bool ductile =
+        std::is_same_v<TypeParam, DuctileLayers<true>> || std::is_same_v<TypeParam, DuctileLayers<false>>;
+    EXPECT_EQ(is_ductile(memory), ductile);
+    EXPECT_TRUE(TypeParam::in_force(memory));
+    if (!ductile) with_layers(memory, []<class Law>(Law) { EXPECT_TRUE((std::is_same_v<Law, TypeParam>)); });
   };
   expect(m.rows()), expect(m.points());
 }
