@@ -77,6 +77,8 @@ inline bool is_shell(const proto::Scene& m, const std::string& name) {
 
 /// A surface that is a shell, its parts and its paint. `field` is the shell's (validate_mesh.cpp).
 void validate_mesh(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
+/// Checks a ring, and that only rings have rims as edges.
+void validate_annulus(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
 
 /// Whether any part of a shell is of a material for which `f` is true.
 template <class F>

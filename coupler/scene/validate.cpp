@@ -106,8 +106,8 @@ void cad_face(const Scene& s, const std::string& f, const proto::CadFace& c) {
 }
 
 void known_edge(const Scene& s, const std::string& f, int edge) {
-  s.check(edge >= proto::Support::ALL && edge <= proto::Support::V_MAX, f,
-          "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX", edge);
+  s.check(edge >= proto::Support::ALL && edge <= proto::Support::OUTER, f,
+          "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX, and of an annulus INNER or OUTER", edge);
 }
 
 // Checks a function of time: times must rise, values must be finite.
@@ -274,6 +274,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
   }
   if (shell.has_cad()) cad_face(s, f + ".cad", shell.cad());
   if (shell.has_mesh()) validate_mesh(s, f, shell);
+  validate_annulus(s, f, shell);
   if (shell.has_nurbs()) refinement(s, f + ".nurbs", shell.nurbs());
   for (int i = 0; i < shell.supports_size(); ++i) support(s, fmt::format("{}.supports[{}]", f, i), shell.supports(i));
   for (int i = 0; i < shell.loads_size(); ++i) load(s, fmt::format("{}.loads[{}]", f, i), shell.loads(i));
@@ -392,6 +393,7 @@ int patch_degree(const proto::Shell& s) {
          : s.has_cylinder() ? given(s.cylinder())
          : s.has_sphere()   ? given(s.sphere())
          : s.has_cone()     ? given(s.cone())
+         : s.has_annulus()  ? given(s.annulus())
          : s.has_mesh()     ? given(s.mesh())
                             : given(s.nurbs());
 }

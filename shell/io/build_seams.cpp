@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <set>
 
 #include <Eigen/Geometry>
@@ -234,9 +235,6 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     Eigen::AlignedBox3d box;
     for (const Vec3& x : s.model.patch.control_points) box.extend(x);
     largest = std::max(largest, box.diagonal().norm());
-    scene.check(s.equilibrium == 0.0, fmt::format("shells[{}].equilibrium", parts[i].shell),
-                "is found with the stiffness of one shell, and seams carry forces between shells; leave equilibrium "
-                "out and let each load grow by its `factor`, with mass_damping_per_s of the material");
     scene.check(!s.model.has_fibres(), fmt::format("shells[{}].fibres", parts[i].shell),
                 "exclude seams, by which CAD faces and charts of meshes are joined; leave fibres out, or give a `face` "
                 "or mesh that "
@@ -280,7 +278,34 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
   give_strengths(scene, names, found);
   check_axes(scene, parts, found, r);
   check_releases(scene, parts, found, r);
+  for (const Seam& seam : found.seams)
+    for (const auto& [own, other] : {std::pair{seam.first, seam.second}, std::pair{seam.second, seam.first}})
+      scene.check(r.shells[own].equilibrium == 0.0 || r.shells[other].equilibrium > 0.0,
+                  fmt::format("shells[{}].equilibrium", parts[own].shell),
+                  "is given, and shell '{}', which a seam joins to '{}', has none; give it to both", names[other],
+                  names[own]);
   return found;
+}
+
+std::vector<std::vector<int>> joined_groups(const RunSetup& setup) {
+  std::vector<int> leader(setup.shells.size());
+  std::iota(leader.begin(), leader.end(), 0);
+  const auto of = [&](int k) {
+    while (leader[k] != k) k = leader[k];
+    return k;
+  };
+  for (const Seam& seam : setup.stitches.seams) {
+    const int a = of(seam.first), b = of(seam.second);
+    leader[std::max(a, b)] = std::min(a, b);
+  }
+  std::vector<std::vector<int>> out;
+  std::vector<int> place(leader.size(), -1);
+  for (int k = 0; k < static_cast<int>(leader.size()); ++k) {
+    int& at = place[of(k)];
+    if (at < 0) at = static_cast<int>(out.size()), out.emplace_back();
+    out[at].push_back(k);
+  }
+  return out;
 }
 
 }  // namespace sunder::shell

@@ -11,4 +11,8 @@ namespace sunder::shell {
 Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, CadFiles& files,
                        const RunSetup& setup);
 
+/// Numbers of shells that seams join, directly or over others, by the first of each group. A shell that no seam joins
+/// is a group of its own.
+std::vector<std::vector<int>> joined_groups(const RunSetup& setup);
+
 }  // namespace sunder::shell

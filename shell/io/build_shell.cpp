@@ -10,6 +10,7 @@
 #include "shell/io/cad_file.h"
 #include "shell/io/cad_loop.h"
 #include "shell/io/mesh_parts.h"
+#include "shell/io/ring_sectors.h"
 #include "shell/io/strength_factors.h"
 #include "shell/io/trims.h"
 
@@ -80,6 +81,7 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
           c);
     });
   }
+  if (s.has_annulus()) return posed(ring_sector(s.annulus(), part, degree), s.annulus());
   if (s.has_cad()) {
     const auto& c = s.cad();
     return at_field(scene, field + ".cad", [&] {

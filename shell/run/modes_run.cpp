@@ -8,6 +8,7 @@
 
 #include "coupler/core/version.h"
 
+#include "shell/io/build_seams.h"
 #include "shell/io/frames.h"
 #include "shell/io/scene_copy.h"
 #include "shell/io/shell_setup.h"
@@ -24,9 +25,9 @@ using Json = nlohmann::ordered_json;
 constexpr int kPhases = 24;          // frames of one period
 constexpr double kFollowing = 1e-6;  // asymmetry of the stiffness that is told
 
-/// A mode of one of the shells.
+/// A mode of one of the shells, or of several that seams join.
 struct Found {
-  int shell;
+  std::vector<int> shells;
   Mode mode;
 };
 
@@ -47,17 +48,25 @@ class Drawing {
   }
   /// `phase` [rad] of a mode with `amplitude` [m] at `time` [s].
   void draw(FrameWriter& frames, double time, const Found& found, double amplitude, double phase) {
-    Motion& motion = state_.shells[found.shell].state->motion;
-    const std::vector<double> x = motion.x, v = motion.v;
     const double omega = 2.0 * std::numbers::pi * found.mode.frequency;
-    for (std::size_t k = 0; k < x.size(); ++k) {
-      motion.x[k] += amplitude * std::sin(phase) * found.mode.shape[k];
-      motion.v[k] = amplitude * omega * std::cos(phase) * found.mode.shape[k];
+    std::vector<std::vector<double>> x, v;
+    std::size_t first = 0;  // of the shell, in the shape
+    for (const int shell : found.shells) {
+      Motion& motion = state_.shells[shell].state->motion;
+      x.push_back(motion.x), v.push_back(motion.v);
+      for (std::size_t k = 0; k < motion.x.size(); ++k) {
+        motion.x[k] += amplitude * std::sin(phase) * found.mode.shape[first + k];
+        motion.v[k] = amplitude * omega * std::cos(phase) * found.mode.shape[first + k];
+      }
+      first += motion.x.size();
+      const Trimming& trim = state_.shells[shell].model().trim;
+      update_dropped_points(trim, motion.x), update_dropped_points(trim, motion.v);
     }
-    const Trimming& trim = state_.shells[found.shell].model().trim;
-    update_dropped_points(trim, motion.x), update_dropped_points(trim, motion.v);
     frames.write(time, views_, ids_, state_.soft, {}, 0);
-    motion.x = x, motion.v = v;
+    for (std::size_t i = 0; i < found.shells.size(); ++i) {
+      Motion& motion = state_.shells[found.shells[i]].state->motion;
+      motion.x = x[i], motion.v = v[i];
+    }
   }
 
  private:
@@ -80,13 +89,37 @@ void draw_all(State& state, const std::vector<Found>& found, double amplitude, c
   }
 }
 
+// "ring.1+ring.2" of shells that seams join.
+std::string name_of(const RunSetup& setup, const std::vector<int>& group) {
+  std::vector<std::string> names;
+  for (const int k : group) names.push_back(setup.shells[k].model.name);
+  return fmt::format("{}", fmt::join(names, "+"));
+}
+
+ModeSet modes_of_group(Simulation& simulation, const std::vector<int>& group, int count,
+                       const std::function<void()>& look) {
+  std::vector<ShellPart>& shells = simulation.state.shells;
+  if (group.size() == 1) {
+    const ShellModel& m = shells[group[0]].model();
+    ShellState& s = *shells[group[0]].state;
+    return vibration_modes(m, s, count, [&] {
+      look();
+      compute_forces(m, s, false, 0.0, simulation.model.threads);
+    });
+  }
+  JoinedShells joined;
+  joined.stitching = &simulation.state.stitching, joined.numbers = group;
+  for (const int k : group) {
+    joined.shells.push_back({&shells[k].model(), shells[k].state.get()});
+    joined.gravity.push_back(simulation.gravity_on(shells[k]));
+  }
+  look();
+  return vibration_modes(joined, count, simulation.model.shells_at_once);
+}
+
 }  // namespace
 
 void write_modes(RunSetup setup, const ModesOptions& options, const std::function<void()>& look) {
-  require(setup.stitches.seams.empty(),
-          "modes are of single shells, and shells '{}' and '{}' are joined; leave seams out, or make them OPEN",
-          setup.stitches.seams.empty() ? "" : setup.shells[setup.stitches.seams[0].first].model.name,
-          setup.stitches.seams.empty() ? "" : setup.shells[setup.stitches.seams[0].second].model.name);
   require(!setup.shells.empty(), "the scene has no shell");
   Simulation simulation(setup, options.threads);
   simulation.prepare();
@@ -96,28 +129,25 @@ void write_modes(RunSetup setup, const ModesOptions& options, const std::functio
   std::vector<Found> found;
   Json shells = Json::array();
   std::string notes;
-  for (std::size_t k = 0; k < state.shells.size(); ++k) {
-    const ShellModel& m = state.shells[k].model();
-    ShellState& s = *state.shells[k].state;
-    ModeSet set = vibration_modes(m, s, options.count, [&] {
-      look();
-      compute_forces(m, s, false, 0.0, simulation.model.threads);
-    });
-    for (Mode& mode : set.modes) found.push_back({static_cast<int>(k), std::move(mode)});
-    shells.push_back({{"shell", m.name},
+  for (const std::vector<int>& group : joined_groups(setup)) {
+    const ShellModel& m = state.shells[group[0]].model();
+    const ModeSet set = modes_of_group(simulation, group, options.count, look);
+    for (const Mode& mode : set.modes) found.push_back({group, mode});
+    const std::string name = name_of(setup, group);
+    shells.push_back({{"shell", name},
                       {"free_displacements", set.degrees},
                       {"rigid_motions", set.rigid},
                       {"unstable_modes", set.unstable},
-                      {"equilibrium", setup.shells[k].equilibrium > 0.0},
+                      {"equilibrium", setup.shells[group[0]].equilibrium > 0.0},
                       {"asymmetry", set.asymmetry}});
-    if (set.rigid > 0) notes += fmt::format("shell '{}' has {} rigid motions, left out\n", m.name, set.rigid);
+    if (set.rigid > 0) notes += fmt::format("shell '{}' has {} rigid motions, left out\n", name, set.rigid);
     if (set.unstable > 0)
-      notes += fmt::format("shell '{}' is not stable: {} modes grow by themselves\n", m.name, set.unstable);
+      notes += fmt::format("shell '{}' is not stable: {} modes grow by themselves\n", name, set.unstable);
     if (set.asymmetry > kFollowing && m.loads.rotate_with_surface())
       notes += fmt::format(
           "loads that turn with shell '{}' make its stiffness unsymmetric by {:.2g}: the symmetric part "
           "is taken\n",
-          m.name, set.asymmetry);
+          name, set.asymmetry);
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const Found& a, const Found& b) { return a.mode.eigenvalue < b.mode.eigenvalue; });
@@ -132,7 +162,7 @@ void write_modes(RunSetup setup, const ModesOptions& options, const std::functio
   fmt::print("mode  frequency Hz  in a run Hz   period s  shell\n");
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Mode& mode = found[k].mode;
-    const std::string& name = setup.shells[found[k].shell].model.name;
+    const std::string name = name_of(setup, found[k].shells);
     const bool stable = mode.eigenvalue > 0.0;
     modes.push_back({{"mode", k + 1},
                      {"shell", name},

@@ -45,6 +45,7 @@ struct ShellPart {
   double initial_step = 0.0, smallest_step = 0.0;  // stable steps [s]
   RelaxationResult equilibrium;                    // the last one, where the scene asks for it
   std::vector<RelaxationResult> steps;             // those of all load steps, where nothing moves
+  std::vector<double> seam_force;                  // of seams in the last of them [3][component stride] [N]
   double hertz_speed = 0.0;  // largest approach speed of a Hertz contact so far, rounded up to a power of two [m/s]
   double hertz_kept = 0.0;   // step of the last Hertz contact [s], kept for `hertz_windows` after it
   std::int64_t hertz_until = -1, hertz_windows = kHertzKept;

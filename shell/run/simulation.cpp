@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "coupler/core/error.h"
+#include "shell/io/build_seams.h"
 #include "shell/io/space_places.h"
 #include "shell/run/substep.h"
 #include "shell/solver/compression.h"
@@ -17,6 +18,7 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kLoosest = 0.1;        // tolerance of an equilibrium that a scene may give
 constexpr int kPointsPerThread = 4000;  // with fewer points a thread costs more in waiting than it saves
 
 int gauss_points(const RunSetup& setup) {
@@ -46,7 +48,7 @@ void shift_bodies(const Vec3& velocity, std::vector<Proxy>& bodies) {
 // Says what is left, and what would do.
 std::string no_equilibrium(const std::string& name, const RelaxationResult& r, double tolerance, int step) {
   const std::string out = fmt::format(
-      "no equilibrium of shell '{}' found{}: {} Newton steps, {} steps of the load and {} of relaxation {}; ", name,
+      "no equilibrium of {} found{}: {} Newton steps, {} steps of the load and {} of relaxation {}; ", name,
       step > 0 ? fmt::format(" at load step {}", step) : "", r.newton, r.load_steps, r.steps,
       std::isfinite(r.residual) ? fmt::format("leave {:.3g} of the loads, more than {:.3g}", r.residual, tolerance)
                                 : "move it without bound");
@@ -167,11 +169,11 @@ void Simulation::make_states() {
 }
 
 void Simulation::find_equilibria(int step, const std::function<void()>& look) {
-  for (ShellPart& part : state.shells) {
-    if (part.setup->equilibrium == 0.0) continue;
-    if (!part.setup->load_factors.empty()) part.state->motion.time = step + 1.0;
-    find_equilibrium(part, look);
-  }
+  if (step == 0 && !state.stitching.empty()) state.stitching.move_masses(refs());
+  for (ShellPart& part : state.shells)
+    if (part.setup->equilibrium > 0.0 && !part.setup->load_factors.empty()) part.state->motion.time = step + 1.0;
+  for (const std::vector<int>& group : joined_groups(setup_))
+    if (state.shells[group[0]].setup->equilibrium > 0.0) find_equilibrium(group, look);
 }
 
 Vec3 Simulation::gravity_on(const ShellPart& part) const {
@@ -182,15 +184,17 @@ Vec3 Simulation::gravity_on(const ShellPart& part) const {
 }
 
 void Simulation::start_shells(const std::function<void()>& look) {
+  make_states();
+  for (const std::vector<int>& group : joined_groups(setup_)) {
+    if (state.shells[group[0]].setup->equilibrium == 0.0) continue;
+    find_equilibrium(group, look);
+    for (const int k : group)
+      state.shells[k].state->book = {};  // plastic work on the way to equilibrium does not belong to the run
+  }
   for (ShellPart& part : state.shells) {
-    make_state_of(part);
     const ShellModel& m = part.model();
     const ShellSetup& setup = *part.setup;
     ShellState& s = *part.state;
-    if (setup.equilibrium > 0.0) {
-      find_equilibrium(part, look);
-      s.book = {};  // plastic work on the way to equilibrium does not belong to the run
-    }
     if (setup.fracture.tips_run())  // a load must first overcome the prestress of the face
       for (double& strength : s.layers.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();
@@ -233,18 +237,34 @@ void Simulation::start_shells(const std::function<void()>& look) {
     state.shells[k].initial_step = state.shells[k].smallest_step = joined[k];
 }
 
-void Simulation::find_equilibrium(ShellPart& part, const std::function<void()>& look) {
+void Simulation::find_equilibrium(const std::vector<int>& group, const std::function<void()>& look) {
   Stopwatch w(scratch.times[Stage::kEquilibrium]);
-  const ShellModel& m = part.model();
+  JoinedShells joined;
   RelaxationRules rules;
-  rules.tolerance = part.setup->equilibrium, rules.gravity = gravity_on(part), rules.threads = model.threads;
-  rules.look = look;
-  const RelaxationResult r = part.equilibrium = relax(m, *part.state, rules);
-  if (setup_.steps > 0) part.steps.push_back(r);
-  check_compression(m, *part.state);
-  if (!r.converged)
-    throw Error(Exit::kPhysics, "equilibrium",
-                no_equilibrium(m.name, r, rules.tolerance, static_cast<int>(part.steps.size())));
+  rules.tolerance = kLoosest, rules.threads = model.threads, rules.look = look;
+  for (const int k : group) {
+    ShellPart& part = state.shells[k];
+    joined.shells.push_back({&part.model(), part.state.get()}), joined.numbers.push_back(k);
+    joined.gravity.push_back(gravity_on(part));
+    rules.tolerance = std::min(rules.tolerance, part.setup->equilibrium);
+  }
+  if (group.size() > 1) joined.stitching = &state.stitching, rules.threads = model.shells_at_once;
+  SeamForces of_seams;
+  const RelaxationResult r = relax(joined, rules, setup_.steps > 0 && group.size() > 1 ? &of_seams : nullptr);
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    ShellPart& part = state.shells[group[i]];
+    part.equilibrium = r;
+    if (setup_.steps > 0) part.steps.push_back(r);
+    if (!of_seams.empty()) part.seam_force = std::move(of_seams[i]);
+    check_compression(part.model(), *part.state);
+  }
+  const ShellPart& first = state.shells[group[0]];
+  if (r.converged) return;
+  const std::string name = group.size() == 1
+                               ? fmt::format("shell '{}'", first.model().name)
+                               : fmt::format("shell '{}' and {} joined to it", first.model().name, group.size() - 1);
+  throw Error(Exit::kPhysics, "equilibrium",
+              no_equilibrium(name, r, rules.tolerance, static_cast<int>(first.steps.size())));
 }
 
 ContactCoefficients Simulation::contact_law(const ShellModel& shell, const RigidBody& body) const {
@@ -294,7 +314,10 @@ double Simulation::total_energy(double dt) {
                      hertz_energy(m, s, state.bodies, part.coefficients, part.candidates, dt);
   }
   if (state.fibres) state.fibres->add_forces(refs()), state.elastic += state.fibres->energy();
-  if (!state.stitching.empty()) state.stitching.move_forces(refs()), apply_force_discontinuity(refs(), dt);
+  for (const ShellPart& part : state.shells)
+    for (std::size_t i = 0; i < part.seam_force.size(); ++i) part.state->motion.force[i] += part.seam_force[i];
+  if (!state.stitching.empty() && setup_.steps == 0)
+    state.stitching.move_forces(refs()), apply_force_discontinuity(refs(), dt);
   for (const ShellPart& part : state.shells) {
     const ShellModel& m = part.model();
     ShellState& s = *part.state;

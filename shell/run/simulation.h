@@ -115,8 +115,9 @@ class Simulation {
   /// Makes the states of shells that have none, at time zero, at rest in their reference shape or with their initial
   /// velocity.
   void make_states();
-  /// Moves all shells that ask for it to equilibrium, at load step `step` where nothing moves. Throws Error
-  /// (equilibrium), and leaves the shell that fails in the last equilibrium that was found on the way.
+  /// Moves all shells that ask for it to equilibrium, at load step `step` where nothing moves; those that seams join
+  /// are in equilibrium together. Throws Error (equilibrium), and leaves shells that fail in the last equilibrium that
+  /// was found on the way.
   void find_equilibria(int step, const std::function<void()>& look);
   /// Gravity [m/s^2] on a shell at the present load step.
   Vec3 gravity_on(const ShellPart& part) const;
@@ -160,7 +161,7 @@ class Simulation {
 
  private:
   void make_state_of(ShellPart& part) const;
-  void find_equilibrium(ShellPart& part, const std::function<void()>& look);
+  void find_equilibrium(const std::vector<int>& group, const std::function<void()>& look);
   double soft_substeps(double needed) const;
   void share_kick(double share);
   RunSetup& setup_;

@@ -34,7 +34,7 @@ MAY = {
     "shell/solver/joining": {*BELOW_SOLVER, "shell/solver", "shell/solver/cracking"},
     "shell/solver/contact": {*BELOW_SOLVER, "shell/solver", "shell/solver/joining"},
     "shell/solver/parting": {*BELOW_SOLVER, "shell/solver", "shell/solver/cracking"},
-    "shell/solver/statics": {*BELOW_SOLVER, "shell/solver"},
+    "shell/solver/statics": {*BELOW_SOLVER, "shell/solver", "shell/solver/joining"},
     "shell/solver/stepping": {*BELOW_SOLVER, "shell/solver", "shell/solver/joining"},
     "shell/soft": {"coupler/core", "shell/grid", "shell/contact", *SOLVER},
     "shell/io": {"coupler/scene", "coupler/link", *BELOW_SOLVER, *SOLVER, "shell/meshes", "shell/soft"},

@@ -42,6 +42,7 @@ inline double seconds_now() {
 }
 
 std::vector<Case> static_cases();
+std::vector<Case> roof_cases();
 std::vector<Case> dynamic_cases();
 std::vector<Case> transfer_cases();
 std::vector<Case> crack_cases();

@@ -98,6 +98,15 @@ class SeamTies {
     for (const Row& row : rows_)
       if (row.holds) callback(row.terms);
   }
+  /// Calls back each constraint: control points with weights, their sum at rest [m], and whether it is a crease, which
+  /// keeps the length of the sum only.
+  template <class F>
+  void each_constraint(F&& callback) const {
+    for (const Row& row : rows_)
+      if (row.holds) callback(row.terms, row.rest, false);
+    for (const Row& row : creases_)
+      if (row.holds) callback(row.terms, row.rest, true);
+  }
   bool parted() const {
     return cracked_ || std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return !row.holds; });
   }

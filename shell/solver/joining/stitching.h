@@ -59,6 +59,30 @@ class Stitching {
   void each_tie(F&& callback) const {
     ties_.each_row(callback);
   }
+  /// Calls back (shell, slot, list) for each dependent control point that holds. Entries of the list have `shell`,
+  /// `slot`, `weight` and `share`, the part of the dependent mass.
+  template <class F>
+  void each_dependent(F&& callback) const {
+    for (const DependentPoint& t : dependent_points_)
+      if (t.holds) callback(t.shell, t.slot, t.on);
+  }
+  /// Calls back (list, sum at rest [m]) for each tie along a trim that holds. Entries have `shell`, `slot` and
+  /// `weight`; the sum of weighted positions stays.
+  template <class F>
+  void each_tied_sum(F&& callback) const {
+    ties_.each_constraint([&](const auto& terms, const Vec3& rest, bool crease) {
+      if (!crease) callback(terms, rest);
+    });
+  }
+  /// Calls back (list, length [m]) for each crease that holds: the weighted sum of positions keeps its length.
+  template <class F>
+  void each_crease(F&& callback) const {
+    for (const CreaseConstraint& b : crease_constraints_)
+      if (b.holds) callback(b.terms, b.length);
+    ties_.each_constraint([&](const auto& terms, const Vec3& rest, bool crease) {
+      if (crease) callback(terms, rest.norm());
+    });
+  }
   /// Releases the control points for which `leaves(shell, slot)` is true, and those that depend on them. Each takes
   /// back its mass with its velocity. This conserves momentum and angular momentum and loses some kinetic energy.
   /// Returns whether any was released.

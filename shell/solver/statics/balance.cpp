@@ -11,6 +11,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kRidge = 1e-13;          // of the diagonal: constraints may say nearly the same
+constexpr int kClosings = 4;              // Newton steps that bring constraints back
 constexpr double kUnloadedStrain = 1e-7;  // whose force is the scale of a residual where there is no load
 
 // Returns row sums of the stiffness, bounded by norms of the shape functions' derivatives [N/m]. As masses they give
@@ -58,105 +60,209 @@ double norm_of(const std::vector<double>& f, const std::vector<double>& inverse,
 
 }  // namespace
 
-Balance::Balance(const ShellModel& m, ShellState& s, const Vec3& gravity, int threads)
-    : mass(fictitious_masses(m, s)), m_(m), s_(s), threads_(threads), start_(s.motion.x) {
-  const std::size_t stride = m.tables.component_stride;
-  weight_.assign(3 * stride, 0.0);
-  inverse.assign(3 * stride, 0.0);
-  for (int d = 0; d < 3; ++d) {
-    for (std::size_t i = 0; i < stride; ++i) {
-      weight_[d * stride + i] = s.motion.mass[i] * gravity[d];
-      if (mass[i] > 0.0 && !s.motion.detached[i]) inverse[d * stride + i] = 1.0 / mass[i];
+Balance::Balance(const JoinedShells& joined, int threads) : joined_(joined), degrees_(joined), threads_(threads) {
+  for (std::size_t k = 0; k < joined.shells.size(); ++k) {
+    const ShellModel& m = *joined.shells[k].model;
+    const ShellState& s = *joined.shells[k].state;
+    const std::size_t stride = m.tables.component_stride, first = degrees_.first(k);
+    x.insert(x.end(), s.motion.x.begin(), s.motion.x.end());
+    const std::vector<double> own = fictitious_masses(m, s);
+    for (int d = 0; d < 3; ++d) {
+      mass.insert(mass.end(), own.begin(), own.end());
+      for (std::size_t i = 0; i < stride; ++i) weight_.push_back(s.motion.mass[i] * joined.gravity[k][d]);
     }
-    for (const int slot : m.constraints.held[d]) inverse[d * stride + slot] = 0.0;
-    for (const auto& driven : m.constraints.driven)
-      for (const int slot : driven.slots[d]) inverse[d * stride + slot] = 0.0;
-    for (const auto& group : m.constraints.tied[d]) {
-      double sum = 0.0;
-      for (const int slot : group) sum += mass[slot];
-      for (const int slot : group) inverse[d * stride + slot] = 1.0 / sum;
+    inverse.resize(first + 3 * stride, 0.0);
+  }
+  degrees_.hand_over_mass(mass);
+  degrees_.hand_over_mass(weight_);
+  for (std::size_t k = 0; k < joined.shells.size(); ++k) {
+    const ShellModel& m = *joined.shells[k].model;
+    const ShellState& s = *joined.shells[k].state;
+    const std::size_t stride = m.tables.component_stride;
+    for (int d = 0; d < 3; ++d) {
+      const std::size_t at = degrees_.first(k) + d * stride;
+      for (std::size_t i = 0; i < stride; ++i)
+        if (mass[at + i] > 0.0 && !s.motion.detached[i] && !degrees_.dependent(at + i))
+          inverse[at + i] = 1.0 / mass[at + i];
+      for (const int slot : m.constraints.held[d]) inverse[at + slot] = 0.0;
+      for (const auto& driven : m.constraints.driven)
+        for (const int slot : driven.slots[d]) inverse[at + slot] = 0.0;
+      for (const auto& group : m.constraints.tied[d]) {
+        double sum = 0.0;
+        for (const int slot : group) sum += mass[at + slot];
+        for (const int slot : group) inverse[at + slot] = degrees_.dependent(at + slot) ? 0.0 : 1.0 / sum;
+      }
     }
   }
+  start_ = x, force.assign(x.size(), 0.0);
+  if (degrees_.constrained()) inverse_ = degrees_.reduced(inverse);
+}
+
+bool Balance::rotates() const {
+  return std::any_of(joined_.shells.begin(), joined_.shells.end(),
+                     [](const ShellRef& r) { return r.model->loads.rotate_with_surface(); });
 }
 
 void Balance::go_to(double share) {
   if (share < 1.0 && unbalanced_.empty()) {
-    const std::vector<double> x = std::exchange(s_.motion.x, start_);
+    const std::vector<double> here = std::exchange(x, start_);
     share_ = 1.0;
     compute();
-    unbalanced_ = s_.motion.force;
-    if (m_.loads.rotate_with_surface()) external_ = s_.motion.external;
-    s_.motion.x = x;
+    unbalanced_ = force;
+    if (rotates()) external_ = loads_;
+    x = here;
   }
   share_ = share;
-  const std::size_t stride = m_.tables.component_stride;
-  for (const auto& driven : m_.constraints.driven) {
-    const Vec3 u = driven.displacement(s_.motion.time);
+  for (std::size_t k = 0; k < joined_.shells.size(); ++k) {
+    const ShellModel& m = *joined_.shells[k].model;
+    const std::size_t stride = m.tables.component_stride;
+    for (const auto& driven : m.constraints.driven) {
+      const Vec3 u = driven.displacement(joined_.shells[k].state->motion.time);
+      for (int d = 0; d < 3; ++d)
+        for (const int slot : driven.slots[d]) {
+          const std::size_t own = d * stride + slot, at = degrees_.first(k) + own;
+          const double target = m.rest[own] + u[d];
+          if (!degrees_.dependent(at)) x[at] = share == 1.0 ? target : start_[at] + share * (target - start_[at]);
+        }
+    }
+  }
+  if (!joined_.stitching) return;
+  std::vector<double> u(x.size());  // dependent control points follow driven ones
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = x[i] - start_[i];
+  degrees_.follow(u);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    if (degrees_.dependent(i)) x[i] = start_[i] + u[i];
+}
+
+void Balance::compute(std::size_t k) {
+  const ShellRef& r = joined_.shells[k];
+  const bool alone = joined_.shells.size() == 1;
+  compute_forces(*r.model, *r.state, false, 0.0, alone ? threads_ : 1);
+  std::vector<double>& f = r.state->motion.force;
+  const std::size_t first = degrees_.first(k);
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] += weight_[first + i];
+  if (share_ == 1.0) return;
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] -= (1.0 - share_) * unbalanced_[first + i];
+  if (external_.empty() || r.state->motion.external.empty()) return;
+  for (std::size_t i = 0; i < f.size(); ++i)
+    f[i] -= (1.0 - share_) * (r.state->motion.external[i] - external_[first + i]);
+}
+
+void Balance::compute() {
+  const auto shells = static_cast<int>(joined_.shells.size());
+  for (int k = 0; k < shells; ++k) {
+    std::vector<double>& own = joined_.shells[k].state->motion.x;
+    std::copy_n(x.begin() + static_cast<std::ptrdiff_t>(degrees_.first(k)), own.size(), own.begin());
+  }
+  each_shell([this](std::size_t k) { compute(k); });
+  for (int k = 0; k < shells; ++k) {
+    const Motion& motion = joined_.shells[k].state->motion;
+    const auto first = static_cast<std::ptrdiff_t>(degrees_.first(k));
+    std::copy(motion.force.begin(), motion.force.end(), force.begin() + first);
+    if (motion.external.empty()) continue;
+    loads_.resize(x.size(), 0.0);
+    std::copy(motion.external.begin(), motion.external.end(), loads_.begin() + first);
+  }
+}
+
+void Balance::gather(std::vector<double>& f) const {
+  degrees_.hand_over(f);
+  for (std::size_t k = 0; k < joined_.shells.size(); ++k) {
+    const ShellModel& m = *joined_.shells[k].model;
+    const std::size_t stride = m.tables.component_stride;
     for (int d = 0; d < 3; ++d)
-      for (const int slot : driven.slots[d]) {
-        const std::size_t k = d * stride + slot;
-        const double target = m_.rest[k] + u[d];
-        s_.motion.x[k] = share == 1.0 ? target : start_[k] + share * (target - start_[k]);
+      for (const auto& group : m.constraints.tied[d]) {
+        const std::size_t at = degrees_.first(k) + d * stride;
+        double sum = 0.0;
+        for (const int slot : group) sum += f[at + slot];
+        for (const int slot : group) f[at + slot] = sum;
       }
   }
 }
 
-void Balance::compute() {
-  compute_forces(m_, s_, false, 0.0, threads_);
-  for (std::size_t i = 0; i < weight_.size(); ++i) s_.motion.force[i] += weight_[i];
-  if (share_ == 1.0) return;
-  for (std::size_t i = 0; i < weight_.size(); ++i) s_.motion.force[i] -= (1.0 - share_) * unbalanced_[i];
-  for (std::size_t i = 0; i < external_.size(); ++i)
-    s_.motion.force[i] -= (1.0 - share_) * (s_.motion.external[i] - external_[i]);
+// Multipliers of forces that make accelerations by the inverse masses keep the constraints: (G W G^T) m = G W f.
+Eigen::VectorXd Balance::multipliers_of(const Eigen::VectorXd& f) {
+  gradients_ = degrees_.gradients(x);
+  const Eigen::SparseMatrix<double> weighted = gradients_ * inverse_.asDiagonal();
+  Eigen::SparseMatrix<double> matrix = weighted * gradients_.transpose();
+  const double most = matrix.diagonal().maxCoeff();
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r) matrix.coeffRef(r, r) += kRidge * most;
+  factors_.compute(matrix);
+  Eigen::VectorXd out = factors_.solve(weighted * f);
+  out += factors_.solve(weighted * (f - gradients_.transpose() * out));  // takes away what the ridge leaves
+  return out;
 }
 
-void Balance::gather(std::vector<double>& f) const {
-  const std::size_t stride = m_.tables.component_stride;
-  for (int d = 0; d < 3; ++d)
-    for (const auto& group : m_.constraints.tied[d]) {
-      double sum = 0.0;
-      for (const int slot : group) sum += f[d * stride + slot];
-      for (const int slot : group) f[d * stride + slot] = sum;
-    }
+void Balance::take_off(std::vector<double>& f) {
+  if (!degrees_.constrained()) return;
+  Eigen::VectorXd own = degrees_.reduced(f);
+  multipliers_ = multipliers_of(own);
+  own -= gradients_.transpose() * multipliers_;
+  for (std::size_t i = 0; i < f.size(); ++i)
+    if (const int n = degrees_.number()[i]; n >= 0) f[i] = own[n];
 }
+
+void Balance::close() {
+  if (!degrees_.constrained()) return;
+  for (int k = 0; k < kClosings; ++k) {
+    multipliers_of(Eigen::VectorXd::Zero(degrees_.count()));
+    const Eigen::VectorXd impulses = factors_.solve(degrees_.violations(x));
+    const std::vector<double> u = degrees_.expanded(-inverse_.cwiseProduct(gradients_.transpose() * impulses));
+    for (std::size_t i = 0; i < u.size(); ++i) x[i] += u[i];
+  }
+}
+
+double Balance::open() const { return degrees_.constrained() ? degrees_.violations(x).cwiseAbs().maxCoeff() : 0.0; }
 
 double Balance::scale() const {
   double outside = 0.0;
-  for (std::size_t i = 0; i < weight_.size(); ++i)
-    outside += std::pow(weight_[i] + (s_.motion.external.empty() ? 0.0 : s_.motion.external[i]), 2);
-  const double given = std::sqrt(outside), held = norm_of(s_.motion.force, inverse, false);
+  for (std::size_t i = 0; i < weight_.size(); ++i) outside += std::pow(weight_[i] + external(i), 2);
+  std::vector<double> handed;  // dependent control points bear nothing
+  if (joined_.stitching) handed = force, degrees_.hand_over(handed);
+  const double given = std::sqrt(outside), held = norm_of(joined_.stitching ? handed : force, inverse, false);
   // Without a load nothing but the stiffness tells which force is small.
-  const double least = given > 0.0 ? 0.0
-                                   : kUnloadedStrain * m_.material.youngs_modulus * m_.thickness * m_.spacing *
-                                         std::sqrt(static_cast<double>(m_.control_points()));
+  double least = 0.0;
+  if (given <= 0.0)
+    for (const ShellRef& r : joined_.shells)
+      least = std::max(least, kUnloadedStrain * r.model->material.youngs_modulus * r.model->thickness *
+                                  r.model->spacing * std::sqrt(static_cast<double>(r.model->control_points())));
   return std::isnan(held) ? held : std::max({given, held, least});
 }
 
-double Balance::residual(std::vector<double>& summed) const {
-  summed = s_.motion.force;
+double Balance::residual(std::vector<double>& summed) {
+  summed = force;
   gather(summed);
+  take_off(summed);
   const double all = scale();
   return all == 0.0 ? 0.0 : norm_of(summed, inverse, true) / all;
 }
 
 double Balance::round_off() {
-  const std::vector<double> x = s_.motion.x, before = s_.motion.force;
+  const std::vector<double> here = x, before = force;
   const double all = scale();
   std::mt19937 random(1);
-  for (double& at : s_.motion.x)
-    at *= 1.0 + ((random() & 1) != 0 ? 1.0 : -1.0) * std::numeric_limits<double>::epsilon();
+  for (double& at : x) at *= 1.0 + ((random() & 1) != 0 ? 1.0 : -1.0) * std::numeric_limits<double>::epsilon();
   compute();
   std::vector<double> change(before.size());
-  for (std::size_t i = 0; i < change.size(); ++i) change[i] = s_.motion.force[i] - before[i];
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] = force[i] - before[i];
   gather(change);
-  s_.motion.x = x, s_.motion.force = before;
+  x = here, force = before;
+  const Eigen::VectorXd multipliers = multipliers_;
+  take_off(change);
+  multipliers_ = multipliers;
   return all > 0.0 ? norm_of(change, inverse, true) / all : 0.0;
+}
+
+double Balance::work_on(const std::vector<double>& step) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < step.size(); ++i) sum += force[i] * step[i];
+  if (degrees_.constrained()) sum -= multipliers_.dot(degrees_.gradients(x) * degrees_.reduced(step));
+  return sum;
 }
 
 double Balance::work_from(const std::vector<double>& start) const {
   double done = 0.0;
-  for (std::size_t i = 0; i < weight_.size(); ++i)
-    done += (weight_[i] + (s_.motion.external.empty() ? 0.0 : s_.motion.external[i])) * (s_.motion.x[i] - start[i]);
+  for (std::size_t i = 0; i < weight_.size(); ++i) done += (weight_[i] + external(i)) * (x[i] - start[i]);
   return done;
 }
 

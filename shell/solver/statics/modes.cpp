@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "coupler/core/error.h"
+#include "shell/solver/statics/newton.h"
 #include "shell/solver/statics/tangent.h"
 
 namespace sunder::shell {
@@ -24,6 +25,7 @@ constexpr int kRestarts = 400;        // of Lanczos
 constexpr double kConverged = 1e-12;  // relative error of an eigenvalue
 constexpr double kGap = 1e-5;         // relative gap between two eigenvalues at which they are counted
 constexpr int kTries = 4;             // with more vectors each time, where one of equal eigenvalues was missed
+constexpr double kKeeping = 100.0;    // stiffness that keeps constraints of seams, in largest stiffnesses
 constexpr double kStays = 1e-9;       // displacement of a support in a rigid motion, over the shell's size
 
 /// M^-1/2 (K - shift M)^-1 M^-1/2, as Spectra wants it.
@@ -92,41 +94,48 @@ Pairs lowest(const Matrix& a, double shift, int wanted) {
 }
 
 // Returns the rigid motions that supports leave free, as orthonormal columns in M^1/2 u.
-Eigen::MatrixXd rigid_motions(const ShellModel& m, const ShellState& s, const FreeDegrees& free,
-                              const Eigen::VectorXd& root_mass) {
-  const std::size_t stride = m.tables.component_stride;
+Eigen::MatrixXd rigid_motions(const JoinedShells& joined, const JoinedDegrees& free, const Eigen::VectorXd& root_mass) {
+  int points = 0;
+  for (const ShellRef& r : joined.shells) points += r.model->control_points();
+  const auto each = [&](auto&& f) {
+    for (std::size_t k = 0; k < joined.shells.size(); ++k)
+      for (int i = 0; i < joined.shells[k].model->control_points(); ++i)
+        f(k, joined.shells[k].model->tables.slot(i),
+          joined.shells[k].state->position(joined.shells[k].model->tables.slot(i)));
+  };
   Vec3 middle = Vec3::Zero();
-  for (int i = 0; i < m.control_points(); ++i) middle += s.position(m.tables.slot(i)) / m.control_points();
+  each([&](std::size_t, int, const Vec3& x) { middle += x / points; });
   double size = 0.0;
-  for (int i = 0; i < m.control_points(); ++i) size = std::max(size, (s.position(m.tables.slot(i)) - middle).norm());
-  Eigen::MatrixXd motion = Eigen::MatrixXd::Zero(free.count, 6);
+  each([&](std::size_t, int, const Vec3& x) { size = std::max(size, (x - middle).norm()); });
+  Eigen::MatrixXd motion = Eigen::MatrixXd::Zero(free.count(), 6);
   std::vector<Eigen::Matrix<double, 1, 6>> constraints;
-  std::vector<char> seen(free.count, 0);
-  for (int i = 0; i < m.control_points(); ++i) {
-    const int slot = m.tables.slot(i);
-    if (s.motion.detached[slot]) continue;
+  std::vector<char> seen(free.count(), 0);
+  each([&](std::size_t k, int slot, const Vec3& x) {
+    if (joined.shells[k].state->motion.detached[slot]) return;
     for (int d = 0; d < 3; ++d) {
       Eigen::Matrix<double, 1, 6> row = Eigen::Matrix<double, 1, 6>::Zero();
       row[d] = 1.0;
-      for (int e = 0; e < 3; ++e) row[3 + e] = Vec3::Unit(e).cross(s.position(slot) - middle)[d] / size;
-      const int n = free.number[d * stride + slot];
-      if (n < 0)
-        constraints.push_back(row);
-      else if (seen[n])
+      for (int e = 0; e < 3; ++e) row[3 + e] = Vec3::Unit(e).cross(x - middle)[d] / size;
+      const std::size_t entry = free.first(k) + d * joined.shells[k].model->tables.component_stride + slot;
+      const int n = free.number()[entry];
+      if (n < 0) {
+        if (!free.dependent(entry)) constraints.push_back(row);
+      } else if (seen[n]) {
         constraints.push_back(row - motion.row(n));
-      else
+      } else {
         seen[n] = 1, motion.row(n) = row;
+      }
     }
-  }
+  });
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
   for (const auto& row : constraints) normal += row.transpose() * row;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(normal);
   int still = 0;
   while (still < 6 && solver.eigenvalues()[still] <= kStays * kStays) ++still;
-  if (still == 0) return Eigen::MatrixXd(free.count, 0);
+  if (still == 0) return Eigen::MatrixXd(free.count(), 0);
   const Eigen::MatrixXd scaled = root_mass.asDiagonal() * motion * solver.eigenvectors().leftCols(still);
   Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(free.count, still);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(free.count(), still);
 }
 
 // Leaves only the motions whose stiffness is at most `most` [1/s^2]: loads may resist the others, as a pendulum's do.
@@ -138,41 +147,74 @@ Eigen::MatrixXd without_stiffness(const Matrix& a, const Eigen::MatrixXd& rigid,
   return rigid * solver.eigenvectors().leftCols(loose);
 }
 
-// Returns twice the kinetic energy of unit velocities along `shape`, over the mass [kg]: u^T M u with the consistent M.
-double consistent_product(const ShellModel& m, const std::vector<double>& shape) {
-  const RowTables& t = m.tables;
-  const std::size_t stride = t.component_stride;
+// Returns twice the kinetic energy of unit velocities along `shape`: u^T M u with the consistent M.
+double consistent_product(const JoinedShells& joined, const JoinedDegrees& free, const std::vector<double>& shape) {
   std::vector<GatheredFunction> functions;
-  double sum = 0.0;
-  for (int q = 0; q < t.blocks(); ++q)
-    for (int e = 0; e < t.spans_u; ++e) {
-      const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
-      if (area == 0.0) continue;
-      Vec3 u = Vec3::Zero();
-      shell_functions(m, q, e, functions);
-      for (const GatheredFunction& f : functions)
-        for (int d = 0; d < 3; ++d) u[d] += f.n[0] * shape[d * stride + f.slot];
-      sum += area * u.squaredNorm();
-    }
-  return m.material.density * m.thickness * sum;
+  double all = 0.0;
+  for (std::size_t k = 0; k < joined.shells.size(); ++k) {
+    const ShellModel& m = *joined.shells[k].model;
+    const RowTables& t = m.tables;
+    const std::size_t stride = t.component_stride, first = free.first(k);
+    double sum = 0.0;
+    for (int q = 0; q < t.blocks(); ++q)
+      for (int e = 0; e < t.spans_u; ++e) {
+        const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
+        if (area == 0.0) continue;
+        Vec3 u = Vec3::Zero();
+        shell_functions(m, q, e, functions);
+        for (const GatheredFunction& f : functions)
+          for (int d = 0; d < 3; ++d) u[d] += f.n[0] * shape[first + d * stride + f.slot];
+        sum += area * u.squaredNorm();
+      }
+    all += m.material.density * m.thickness * sum;
+  }
+  return all;
 }
 
-}  // namespace
+// Lumped masses of free displacements, as in a run.
+Eigen::VectorXd lumped(const JoinedShells& joined, const JoinedDegrees& free) {
+  std::vector<double> field;
+  for (const ShellRef& r : joined.shells)
+    for (int d = 0; d < 3; ++d) field.insert(field.end(), r.state->motion.mass.begin(), r.state->motion.mass.end());
+  free.hand_over_mass(field);
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(free.count());
+  for (std::size_t k = 0; k < field.size(); ++k)
+    if (free.number()[k] >= 0) mass[free.number()[k]] += field[k];
+  return mass;
+}
 
-ModeSet vibration_modes(const ShellModel& m, ShellState& s, int count, const std::function<void()>& forces) {
+// Scales a shape so that its longest displacement is 1 and points to positive values.
+void normalise(const JoinedShells& joined, const JoinedDegrees& free, std::vector<double>& shape) {
+  double length = 0.0, sign = 1.0;
+  for (std::size_t k = 0; k < joined.shells.size(); ++k)
+    for (int i = 0; i < joined.shells[k].model->control_points(); ++i) {
+      const RowTables& t = joined.shells[k].model->tables;
+      const double* at = &shape[free.first(k) + t.slot(i)];
+      const Vec3 v(at[0], at[t.component_stride], at[2 * t.component_stride]);
+      if (v.norm() <= length * (1.0 + 1e-9)) continue;
+      length = v.norm();
+      int axis = 0;
+      v.cwiseAbs().maxCoeff(&axis);
+      sign = v[axis] < 0.0 ? -1.0 : 1.0;
+    }
+  for (double& v : shape) v *= sign / length;
+}
+
+void check_whole(const ShellModel& m, const ShellState& s) {
   require(is_uncracked(m, s), "shell '{}': modes are of shells without cracks; leave out its cuts", m.name);
-  const FreeDegrees free = free_degrees(m, s);
-  const std::size_t stride = m.tables.component_stride;
+}
+
+// `a` is the tangent stiffness; `kept`: gradients of constraints, with no rows where there are none.
+ModeSet modes_of(const JoinedShells& joined, const JoinedDegrees& free, Matrix a, const Matrix& kept, int count) {
+  const std::string& name = joined.shells[0].model->name;
   ModeSet out;
-  out.degrees = free.count;
-  Matrix a = tangent_stiffness(m, s, free, Differences::kFourthOrder, forces);
+  out.degrees = free.count();
   const Matrix transposed = a.transpose();
   out.asymmetry = a.norm() > 0.0 ? Matrix(a - transposed).norm() / a.norm() : 0.0;
-  Eigen::VectorXd mass = Eigen::VectorXd::Zero(free.count);
-  for (std::size_t k = 0; k < free.number.size(); ++k)
-    if (free.number[k] >= 0) mass[free.number[k]] += s.motion.mass[k % stride];
+  const Eigen::VectorXd mass = lumped(joined, free);
   const Eigen::VectorXd root = mass.cwiseSqrt(), inverse = root.cwiseInverse();
   a = 0.5 * (a + transposed);
+  const double stiffest = a.diagonal().maxCoeff();
   a = inverse.asDiagonal() * a * inverse.asDiagonal();
   double largest = 0.0;  // Gershgorin's bound of the largest eigenvalue
   for (int k = 0; k < a.outerSize(); ++k) {
@@ -180,14 +222,19 @@ ModeSet vibration_modes(const ShellModel& m, ShellState& s, int count, const std
     for (Matrix::InnerIterator it(a, k); it; ++it) sum += std::abs(it.value());
     largest = std::max(largest, sum);
   }
+  if (kept.rows() > 0) {
+    const Matrix product = kept.transpose() * kept;
+    a += Matrix(inverse.asDiagonal() * Matrix(kKeeping * stiffest / product.diagonal().maxCoeff() * product) *
+                inverse.asDiagonal());
+  }
   const double shift = kShift * largest;
-  const Eigen::MatrixXd rigid = without_stiffness(a, rigid_motions(m, s, free, root), shift);
+  const Eigen::MatrixXd rigid = without_stiffness(a, rigid_motions(joined, free, root), shift);
   out.rigid = static_cast<int>(rigid.cols());
   require(
-      count + out.rigid <= free.count,
+      count + out.rigid <= free.count(),
       "shell '{}': {} modes are asked for, but it has {} free displacements, {} of them rigid; ask for fewer, or take "
       "more elements",
-      m.name, count, free.count, out.rigid);
+      name, count, free.count(), out.rigid);
   const Pairs found = lowest(a, -shift, count + out.rigid);
   std::vector<int> order(found.values.size());  // least rigid first
   std::iota(order.begin(), order.end(), 0);
@@ -201,27 +248,36 @@ ModeSet vibration_modes(const ShellModel& m, ShellState& s, int count, const std
     Mode& mode = out.modes.emplace_back();
     mode.eigenvalue = found.values[k];
     out.unstable += mode.eigenvalue < -shift;
-    mode.shape.assign(free.number.size(), 0.0);
-    const Eigen::VectorXd u = inverse.cwiseProduct(found.vectors.col(k));
-    for (std::size_t i = 0; i < free.number.size(); ++i)
-      if (free.number[i] >= 0) mode.shape[i] = u[free.number[i]];
+    mode.shape = free.expanded(inverse.cwiseProduct(found.vectors.col(k)));
     const double stiffness = found.values[k];  // of the shape, whose lumped mass is 1
     if (stiffness > 0.0) {
       mode.in_run = std::sqrt(stiffness) / (2.0 * std::numbers::pi);
-      mode.frequency = std::sqrt(stiffness / consistent_product(m, mode.shape)) / (2.0 * std::numbers::pi);
+      mode.frequency = std::sqrt(stiffness / consistent_product(joined, free, mode.shape)) / (2.0 * std::numbers::pi);
     }
-    double length = 0.0, sign = 1.0;
-    for (int i = 0; i < m.control_points(); ++i) {
-      const Vec3 v = s.at(mode.shape, m.tables.slot(i));
-      if (v.norm() <= length * (1.0 + 1e-9)) continue;
-      length = v.norm();
-      int axis = 0;
-      v.cwiseAbs().maxCoeff(&axis);
-      sign = v[axis] < 0.0 ? -1.0 : 1.0;
-    }
-    for (double& v : mode.shape) v *= sign / length;
+    normalise(joined, free, mode.shape);
   }
   return out;
+}
+
+}  // namespace
+
+ModeSet vibration_modes(const ShellModel& m, ShellState& s, int count, const std::function<void()>& forces) {
+  check_whole(m, s);
+  const JoinedShells joined{{{&m, &s}}, {0}, nullptr, {Vec3::Zero()}};
+  const JoinedDegrees free(joined);
+  return modes_of(joined, free, tangent_stiffness(m, s, free.own(0), Differences::kFourthOrder, forces), {}, count);
+}
+
+ModeSet vibration_modes(const JoinedShells& joined, int count, int threads) {
+  for (const ShellRef& r : joined.shells) check_whole(*r.model, *r.state);
+  Balance balance(joined, threads);
+  const JoinedDegrees& free = balance.degrees();
+  balance.compute();
+  std::vector<double> summed;
+  balance.residual(summed);  // for the multipliers
+  Matrix stiffness = joined_stiffness(balance, Differences::kFourthOrder);
+  stiffness += free.curvature(balance.x, balance.multipliers());
+  return modes_of(joined, free, std::move(stiffness), free.gradients(balance.x), count);
 }
 
 }  // namespace sunder::shell

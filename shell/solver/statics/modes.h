@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "shell/solver/state.h"
+#include "shell/solver/statics/joined.h"
 
 namespace sunder::shell {
 
@@ -12,7 +12,7 @@ struct Mode {
   double eigenvalue = 0.0;    // omega^2 with the lumped mass [1/s^2]; negative: the shell moves away by itself
   double in_run = 0.0;        // frequency with the lumped mass [Hz], as in a run; 0 where the eigenvalue is negative
   double frequency = 0.0;     // the same by Rayleigh's quotient, with the consistent mass [Hz]
-  std::vector<double> shape;  // displacement of each slot, [3][component stride] [-]; the largest has length 1
+  std::vector<double> shape;  // displacement of each slot, [shell][3][component stride] [-]; the largest has length 1
 };
 
 /// Modes of a shell.
@@ -33,5 +33,9 @@ struct ModeSet {
 /// Throws Error (modes) where they do not converge, Error (bad_input) where the shell has cracks or fewer than `count`
 /// free displacements.
 ModeSet vibration_modes(const ShellModel& model, ShellState& state, int count, const std::function<void()>& forces);
+
+/// The same for shells that seams join, which vibrate together. Dependent control points follow. A stiffness keeps
+/// constraints of seams, far above those of low modes.
+ModeSet vibration_modes(const JoinedShells& joined, int count, int threads);
 
 }  // namespace sunder::shell

@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "shell/solver/statics/balance.h"
 #include "shell/solver/statics/tangent.h"
 
 namespace sunder::shell {
@@ -17,5 +18,12 @@ struct NewtonStep {
 NewtonStep newton_step(const ShellModel& model, ShellState& state, const FreeDegrees& free,
                        const std::vector<double>& residual, Differences differences,
                        const std::function<void()>& forces);
+
+/// Returns the tangent stiffness of all free displacements of joined shells at balance.x, after balance.compute().
+Eigen::SparseMatrix<double> joined_stiffness(Balance& balance, Differences differences);
+
+/// The same for joined shells at balance.x, after balance.residual(), which gave `residual`. The step also brings
+/// constraints of seams back.
+NewtonStep newton_step(Balance& balance, const std::vector<double>& residual, Differences differences);
 
 }  // namespace sunder::shell

@@ -1,8 +1,9 @@
 #pragma once
 // Equilibrium of a shell under loads.
 #include <functional>
+#include <vector>
 
-#include "shell/solver/state.h"
+#include "shell/solver/statics/joined.h"
 
 namespace sunder::shell {
 
@@ -11,7 +12,7 @@ struct RelaxationRules {
   double tolerance = 1e-6;  // residual, as a share of the forces that it balances
   std::int64_t most_steps = 2'000'000;
   int most_newton = 60;         // Newton steps before dynamic relaxation; 0: none
-  Vec3 gravity = Vec3::Zero();  // [m/s^2]
+  Vec3 gravity = Vec3::Zero();  // on one shell alone [m/s^2]
   int threads = 1;
   std::function<void()> look;  // called now and then; an exception from it ends the search
 };
@@ -46,5 +47,14 @@ struct RelaxationResult {
 ///    kinetic energy. It ends by Newton steps where they converge. A shell that moves away as a whole ends it.
 /// Where none is found the shell is left in the last equilibrium, at result.share of the way; at 0 where it was.
 RelaxationResult relax(const ShellModel& model, ShellState& state, const RelaxationRules& rules);
+
+/// Forces of seams on the control points of each joined shell, [shell][3][component stride] [N]. Those on dependent
+/// control points take away what others bear.
+using SeamForces = std::vector<std::vector<double>>;
+
+/// The same for shells that seams join: all are in equilibrium together, at joined.gravity. Dependent control points
+/// follow, and constraints of seams hold (Newton's method with multipliers). `of_seams` receives the forces of seams,
+/// where it is not null.
+RelaxationResult relax(const JoinedShells& joined, const RelaxationRules& rules, SeamForces* of_seams = nullptr);
 
 }  // namespace sunder::shell
