@@ -82,6 +82,9 @@ def scene_of(*texts: str) -> Any:
     scene = text_format.Parse(BASE, scene_class()())
     for text in texts:
         merged(scene, text_format.Parse(text, scene_class()()))
+    if scene.HasField("seams") and any(shell.HasField("equilibrium") for shell in scene.shells):
+        for shell in scene.shells:  # it is found for all that seams join
+            shell.equilibrium.SetInParent()
     return scene
 
 

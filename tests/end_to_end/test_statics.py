@@ -43,6 +43,21 @@ shells {
   equilibrium { load_factors: [0.01, 1] }
 }
 """
+# A ring of four sectors that its inner rim holds.
+RING = """name: "ring"
+gravity {}
+materials { name: "glass" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.3 }
+shells {
+  name: "ring"
+  material: "glass"
+  thickness_m: 0.002
+  annulus { inner_m: 0.1 outer_m: 0.3 element_m: 0.04 }
+  supports { edges: INNER kind: CLAMPED }
+  loads { pressure: -10 }
+  equilibrium { tolerance: 1e-12 load_factors: [1, 2] }
+}
+output { probes { name: "rim" shell: "ring.2" at { u: 0 v: 0 } } }
+"""
 
 
 def height(frame: Frame) -> float:
@@ -102,6 +117,38 @@ class Statics(unittest.TestCase):
         frame, = list_frames(self.folder / "out")
         self.assertEqual(frame.time_s, 0.0)
         self.assertGreater(height(frame), 0.05)
+
+    def test_shells_that_seams_join_are_in_equilibrium_together(self) -> None:
+        done = self.sunder(RING, "run", "--no-pictures", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        told = json.loads((self.folder / "out" / "run.json").read_text())["equilibrium"]
+        self.assertEqual({e["shell"] for e in told}, {"ring.1", "ring.2", "ring.3", "ring.4"})
+        self.assertEqual({e["found_by"] for e in told}, {"newton"})
+        probes = self.rows("probes.csv")
+        for row, factor in zip(probes[1:], (1, 2), strict=True):
+            borne = float(row[probes[0].index("reaction_z [N]")])
+            self.assertAlmostEqual(borne / (factor * 10 * np.pi * (0.09 - 0.01)), 1.0, delta=1e-6)  # follows the surface
+        first, second = (abs(float(row[probes[0].index("rim_z [m]")])) for row in probes[1:])
+        self.assertAlmostEqual(second / first, 2.0, delta=0.02)
+
+    def test_a_shell_joined_to_one_without_equilibrium_is_refused(self) -> None:
+        other = RING.replace("shells {", "seams {}\nshells {", 1) + """shells {
+  name: "flap" material: "glass" thickness_m: 0.002
+  plate { size_x_m: 1 size_y_m: 1 elements_x: 4 elements_y: 4 } equilibrium { load_factors: [1, 2] } }
+shells {
+  name: "wing" material: "glass" thickness_m: 0.002
+  plate { size_x_m: 1 size_y_m: 1 elements_x: 4 elements_y: 4 pose { position { x: 1 } } } }
+"""
+        done = self.sunder(other.replace("load_factors: [1, 2]", "").replace("gravity {}", "gravity {}\nend_time_s: 1\nwindow_s: 0.1"),
+                           "check")
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, r"shells\[1\]\.equilibrium: is given, and shell 'wing', .* give it to both")
+
+    def test_modes_of_a_ring_are_of_all_its_sectors(self) -> None:
+        done = self.sunder(RING, "modes", "--count", "2", "--no-pictures")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        told = json.loads((self.folder / "out" / "modes.json").read_text())
+        self.assertEqual([s["shell"] for s in told["shells"]], ["ring.1+ring.2+ring.3+ring.4"])
 
     def test_modes_have_a_table_frames_and_a_picture(self) -> None:
         done = self.sunder(STRIP, "modes", "--count", "3")

