@@ -307,7 +307,7 @@ def _scheme(scene: Scene) -> list[Change] | str:
 
 
 def _degree(scene: Scene) -> list[Change] | str:
-    made = ("plate", "cylinder", "sphere", "cone")
+    made = ("plate", "cylinder", "sphere", "cone", "annulus")
     if not all(s.WhichOneof("patch") in made for s in scene.message.shells):
         return "knots, or a file, give the degree"
     degree = 3 if any(_degree_of(s) == 2 for s in scene.message.shells) else 2

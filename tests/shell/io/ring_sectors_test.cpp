@@ -47,8 +47,8 @@ struct Still {
   JoinedShells joined() {
     JoinedShells out;
     for (ShellPart& part : simulation.state.shells)
-      out.numbers.push_back(static_cast<int>(out.shells.size())), out.shells.push_back({&part.model(), part.state.get()}),
-          out.gravity.push_back(Vec3::Zero());
+      out.numbers.push_back(static_cast<int>(out.shells.size())),
+          out.shells.push_back({&part.model(), part.state.get()}), out.gravity.push_back(Vec3::Zero());
     out.stitching = &simulation.state.stitching;
     return out;
   }

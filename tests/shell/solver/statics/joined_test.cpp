@@ -125,7 +125,7 @@ TEST(JoinedEquilibrium, OfAPlateInPiecesIsNaviers) {
     EXPECT_EQ(r.steps, 0);
     EXPECT_NEAR(pieces.moved(shell, middle).z(), exact, 5e-3 * exact);
     const auto [left, borne] = pieces.left_and_borne();
-    EXPECT_LT(left, 1e-8 * kPressure);  // round-off of positions times the stiffness
+    EXPECT_LT(left, 1e-8 * kPressure);                     // round-off of positions times the stiffness
     EXPECT_NEAR(borne.z(), -kPressure, 1e-9 * kPressure);  // of a square metre
   };
   look(2, 1, 1, {0.06, 0.5});
