@@ -135,7 +135,8 @@ std::vector<Section> by_frame(const std::vector<double>& angles, int elements, i
   relax(m, s, rules);
   FieldSet wanted;
   wanted.add(FieldSet::kMembraneForce), wanted.add(FieldSet::kBendingMoment);
-  FieldSampler sampler(m, s, wanted, {});
+  const ContactOverTime no_contact;
+  FieldSampler sampler(m, s, wanted, no_contact);
   std::vector<Section> out;
   for (const double angle : angles) {
     // the parameter at which the arc has this angle
