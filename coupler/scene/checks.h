@@ -62,8 +62,8 @@ inline void unique_name(const LoadedScene& s, const std::string& field, const st
   s.check(taken.insert(name).second, field + ".name", "'{}' is used twice; names are unique", name);
 }
 
-/// Whether a name is that of a shell, or NAME.1, NAME.2 ... of one that a file divides. How many there are is known
-/// once the file is read (shell/io/part_names.h).
+/// Whether a name is that of a shell, or NAME.1, NAME.2 ... of one that a file divides, or of a ring. How many there
+/// are is known once the file is read (shell/io/part_names.h).
 inline bool is_shell(const proto::Scene& m, const std::string& name) {
   const std::size_t dot = name.find('.');
   const std::string whole = name.substr(0, dot), number = dot == std::string::npos ? "" : name.substr(dot + 1);
@@ -71,7 +71,8 @@ inline bool is_shell(const proto::Scene& m, const std::string& name) {
                                    number.find_first_not_of("0123456789") != std::string::npos || number[0] == '0'))
     return false;
   for (const proto::Shell& shell : m.shells())
-    if (shell.name() == whole && (number.empty() || shell.has_cad() || shell.has_mesh())) return true;
+    if (shell.name() == whole && (number.empty() || shell.has_cad() || shell.has_mesh() || shell.has_annulus()))
+      return true;
   return false;
 }
 
