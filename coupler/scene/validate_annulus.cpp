@@ -47,7 +47,6 @@ void validate_annulus(const LoadedScene& s, const std::string& f, const proto::S
           "cuts a whole ring through, and angle_deg is {}; leave one of them out", m.angle_deg());
   s.check(2.0 * 3.1415926 * m.outer_m() <= kMostAcross * m.element_m(), at + ".element_m",
           "is {} m, more than {:.0f} elements along the outer rim; give a longer one", m.element_m(), kMostAcross);
-  s.check(!m.has_degree() || m.degree() == 2 || m.degree() == 3, at + ".degree", "is {}; 2 or 3", m.degree());
   pose(s, at + ".pose", m.pose());
   const auto refuse = [&](bool given, const std::string& own, const char* remedy) {
     s.check(!given, f + "." + own, "is for a shell of one patch, and a ring is several; {}", remedy);

@@ -10,7 +10,7 @@ std::string ring(const std::string& annulus, const std::string& more = "") {
                   "annulus { " + annulus + " }\n" + more);
 }
 
-const std::string kRing = "inner_m: 0.1 outer_m: 0.3 element_m: 0.05";
+const std::string kRing = "inner_m: 0.1 outer_m: 0.3 element_m: 0.03";
 
 }  // namespace
 
@@ -33,7 +33,7 @@ TEST(Annulus, OfAWrongSizeIsRefused) {
   expect_refusal(ring("inner_m: 0.1 outer_m: 0.3 element_m: 1e-6"), f + "element_m", {"more than 4096 elements"});
   expect_refusal(ring(kRing + " angle_deg: 400"), f + "angle_deg", {"is 400 degrees", "at most 360"});
   expect_refusal(ring(kRing + " slit: true angle_deg: 90"), f + "slit", {"angle_deg is 90"});
-  expect_refusal(ring(kRing + " degree: 4"), f + "degree", {"is 4; 2 or 3"});
+  expect_refusal(ring(kRing + " degree: 4"), f + "degree", {"is 4; 2 (quadratic) or 3"});
 }
 
 TEST(Annulus, WithoutTheEdgeIsRefused) {
