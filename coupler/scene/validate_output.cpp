@@ -44,6 +44,27 @@ void fields(const LoadedScene& s, const std::string& f, const Fields& given, boo
   }
 }
 
+// The second shell of a probe.
+void other_shell(const LoadedScene& s, const std::string& f, const proto::Probe& p) {
+  const proto::Scene& m = s.message;
+  const std::string g = f + ".other_shell";
+  s.check(p.body().empty(), g, "is a second shell, and a body is given; leave one of them out");
+  s.check(!p.shell().empty(), g, "is a second shell, and shell is missing; name the first one");
+  s.check(!p.has_at() && p.fields_size() == 0, g,
+          "makes this the contact of two shells, and at or fields are those of a point; leave them out");
+  s.check(p.shell() != p.other_shell(), g, "is '{}', as shell is; name another one", p.other_shell());
+  const std::vector<std::string> shells = names_in(m.shells());
+  if (!is_shell(m, p.other_shell())) refuse_name(s, g, p.other_shell(), "shell", shells);
+  const auto has_fibres = [&](const std::string& name) {
+    const std::string whole = name.substr(0, name.find('.'));
+    return std::any_of(m.shells().begin(), m.shells().end(), [&](const proto::Shell& shell) {
+      return (shell.name() == name || shell.name() == whole) && shell.has_fibres();
+    });
+  };
+  s.check(!has_fibres(p.shell()) || !has_fibres(p.other_shell()), g,
+          "is '{}', and both shells have fibres, whose forces are not measured; leave the probe out", p.other_shell());
+}
+
 }  // namespace
 
 void validate_output(const LoadedScene& s) {
@@ -55,6 +76,8 @@ void validate_output(const LoadedScene& s) {
   if (o.has_probe_interval_s()) positive(s, "output.probe_interval_s", true, o.probe_interval_s(), "s");
   not_negative(s, "output.checkpoint_interval_s", o.has_checkpoint_interval_s(), o.checkpoint_interval_s());
   fields(s, "output.fields", o.fields(), false);
+  s.check(!o.thick_shells() || m.shells_size() > 0, "output.thick_shells",
+          "is true, and the scene has no shell; leave it out");
   std::set<std::string> probes;
   for (int i = 0; i < o.probes_size(); ++i) {
     const auto& p = o.probes(i);
@@ -74,6 +97,7 @@ void validate_output(const LoadedScene& s) {
               p.body());
     }
     const std::vector<std::string> shells = names_in(m.shells());
+    if (!p.other_shell().empty()) other_shell(s, f, p);
     if (!is_shell(m, p.shell())) refuse_name(s, f + ".shell", p.shell(), "shell", shells, "name a shell, or a body");
     fields(s, f + ".fields", p.fields(), true);
   }

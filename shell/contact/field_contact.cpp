@@ -232,7 +232,7 @@ void FieldContact::turn(const std::vector<SurfaceSample>& samples) {
       f.inertia += corners_[c].weight * samples[p].mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
     }
   for (const Touch& t : touches_) fields_[t.a].touched = fields_[t.b].touched = true;  // their inertia is known now
-  for (const Touch& t : touches_) {
+  for (Touch& t : touches_) {
     Field &a = fields_[t.a], &b = fields_[t.b];
     const Vec3 apart = b.centre() - a.centre();
     const double least = kSlender * (a.mass + b.mass) * apart.squaredNorm();
@@ -244,6 +244,7 @@ void FieldContact::turn(const std::vector<SurfaceSample>& samples) {
     const double along = std::max(0.0, apart.dot(t.impulse)) / apart.squaredNorm();
     const Vec3 back = along * apart - t.impulse;
     b.change += back / b.mass, a.change -= back / a.mass;
+    t.impulse += back;
   }
 }
 

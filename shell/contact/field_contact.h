@@ -46,6 +46,13 @@ class FieldContact {
   /// folds included.
   int push(std::vector<SurfaceSample>& samples, double dt);
 
+  /// Calls f(a, b, impulse) for what shell b has got from shell a in the last push(), place by place [N s]. All shells
+  /// together get nothing.
+  template <class F>
+  void each_exchange(F&& f) const {
+    for (const Touch& t : touches_) f(fields_[t.a].shell, fields_[t.b].shell, t.impulse);
+  }
+
   /// Two samples of one fold that are too close, or would be at the end of the substep. The fold is tighter than the
   /// grid resolves.
   struct Close {

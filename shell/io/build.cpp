@@ -235,6 +235,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.shell_frame_interval =
       m.output().has_shell_frame_interval_s() ? m.output().shell_frame_interval_s() : r.frame_interval;
   for (const int field : m.output().fields()) r.fields.add(field);
+  r.thick_shells = m.output().thick_shells();
   r.probe_interval = m.output().has_probe_interval_s() ? m.output().probe_interval_s() : r.window;
   r.checkpoint_interval =
       m.output().has_checkpoint_interval_s() ? m.output().checkpoint_interval_s() : r.end_time / 10.0;
@@ -266,6 +267,7 @@ RunSetup build(const scene::LoadedScene& scene) {
       Probe& probe = r.probes.emplace_back(Probe{p.name(), i, at});
       for (int b = 0; b < m.bodies_size(); ++b)
         if (m.bodies(b).name() == p.body()) probe.body = b;
+      if (!p.other_shell().empty()) probe.other = shell_named(scene, parts, field + ".other_shell", p.other_shell());
       for (const int wanted : p.fields()) probe.fields.add(wanted);
     }
     r.last_change = std::max(r.last_change, s.loads.last_change());

@@ -44,6 +44,7 @@ struct RunSetup {
   double time_step = 0.0;  // substep that the scene asks for [s]; 0: `safety` times the stable step
   double frame_interval = 0.0, shell_frame_interval = 0.0;
   std::vector<Probe> probes;
+  bool thick_shells = false;         // frames have shells with their thickness too
   FieldSet fields;                   // arrays of frames that the scene asks for
   double probe_interval = 0.0;       // [s]
   double checkpoint_interval = 0.0;  // [s]; 0: none

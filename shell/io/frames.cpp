@@ -12,6 +12,7 @@
 #include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
 #include "shell/io/probes.h"
+#include "shell/io/thick_sheet.h"
 #include "shell/io/vtp.h"
 #include "shell/solver/cracking/insertion.h"
 
@@ -138,22 +139,32 @@ class CellFields {
   std::vector<double> values_;
 };
 
+// A shell as its middle surface and, where it is asked for, as a solid.
+struct ShellMeshes {
+  VtpMesh middle, solid{};
+};
+
 // `ids` are those of the pieces of control points.
-VtpMesh shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<BodyId>& ids, const FrameFields& fields,
-                   const ContactOverTime& contact) {
+ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<BodyId>& ids,
+                       const FrameFields& fields, const ContactOverTime& contact) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
   std::vector<BodyId> id;
   for (const Piece& p : pieces) id.push_back(id_of(p, ids));
   VtpMesh mesh;
   VtpArray velocity{"velocity", 3, {}, false, "m/s"}, displacement{"displacement", 3, {}, false, "m"};
-  VtpArray damage{"damage", 1, {}}, history{"c_his", 1, {}}, fragment{"fragment", 1, {}, true};
+  VtpArray uv{"uv", 2, {}}, damage{"damage", 1, {}}, history{"c_his", 1, {}}, fragment{"fragment", 1, {}, true};
   CellFields asked(m, s, fields.set, contact);
+  FieldSet thickness;
+  if (fields.thick) thickness.add(FieldSet::kThickness);
+  CellFields thick(m, s, thickness, contact);
   const auto corner = [&](const Vec2& p, bool near_crack) {
     const Corner c = evaluate(m, s, p, near_crack);
     mesh.points.push_back(c.x);
     velocity.values.insert(velocity.values.end(), {c.v.x(), c.v.y(), c.v.z()});
     displacement.values.insert(displacement.values.end(), {c.u.x(), c.u.y(), c.u.z()});
+    const Vec2 share = unit_parameter(m, p);
+    uv.values.insert(uv.values.end(), {share.x(), share.y()});
     return static_cast<int>(mesh.points.size()) - 1;
   };
   std::vector<char> near(t.vertices.size(), 0);
@@ -197,12 +208,17 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<B
     const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
     damage.values.push_back(s.layers.c[g]), history.values.push_back(s.layers.c_his[g]),
         fragment.values.push_back(id[t.piece[i]]);
-    asked.add(centre);
+    asked.add(centre), thick.add(centre);
   }
-  mesh.point_data = {velocity, displacement};
+  mesh.point_data = {velocity, displacement, uv};
   mesh.cell_data = {damage, history, fragment};
   for (VtpArray& a : asked.arrays()) mesh.cell_data.push_back(std::move(a));
-  return mesh;
+  if (!fields.thick) return {std::move(mesh)};
+  std::vector<double>& now = thick.arrays().front().values;
+  for (double& t : now)
+    if (t <= 0.0) t = m.thickness;  // nothing bears stress there
+  VtpMesh solid = thick_sheet(mesh, now, m.thickness);
+  return {std::move(mesh), std::move(solid)};
 }
 
 // Moves the end of an edge that leaves the patch to the border, along the edge.
@@ -272,6 +288,8 @@ struct BodyMesh {
   // where the scene asks for them
   VtpArray velocity{"velocity", 3, {}, false, "m/s"}, spin{"spin_rad_per_s", 3, {}, false, "rad/s"},
       mass{"mass_kg", 1, {}, false, "kg"};
+  // displacement and parameters of pieces of shells; zero for other bodies
+  VtpArray displacement{"displacement", 3, {}, false, "m"}, uv{"uv", 2, {}};
   BodyId id = 0;  // of the body that is drawn, and its kind
   int kind_now = 0;
   void cell(std::vector<int> corners) {
@@ -382,6 +400,17 @@ VtpMesh soft_mesh(const SoftBodies& soft) {
   return mesh;
 }
 
+// Adds places at rest and parameters to the points that a body has just got: none where it was no piece of a shell.
+void add_places(BodyMesh& out, const DrawnMesh* piece) {
+  const std::size_t first = out.uv.values.size() / 2;
+  for (std::size_t i = first; i < out.mesh.points.size(); ++i) {
+    const Vec3 u = piece ? Vec3(out.mesh.points[i] - piece->rest[i - first]) : Vec3(Vec3::Zero());
+    const Vec2 p = piece ? piece->uv[i - first] : Vec2(Vec2::Zero());
+    out.displacement.values.insert(out.displacement.values.end(), {u.x(), u.y(), u.z()});
+    out.uv.values.insert(out.uv.values.end(), {p.x(), p.y()});
+  }
+}
+
 // Adds the motion of a body to the points and cells that it has just got.
 void add_motion(BodyMesh& out, const RigidBody& b, std::size_t number, const FrameFields& fields) {
   const Vec3 w = b.is_static ? Vec3(Vec3::Zero()) : b.angular_velocity();
@@ -398,6 +427,12 @@ void add_motion(BodyMesh& out, const RigidBody& b, std::size_t number, const Fra
 // Begins each entry of frames.pvd that is of this time.
 std::string moment(double time) { return fmt::format("<DataSet timestep=\"{:.9g}\" ", time); }
 
+std::string collection(const std::string& entries) {
+  return "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+         "<Collection>\n" +
+         entries + "</Collection>\n</VTKFile>\n";
+}
+
 }  // namespace
 
 bool FrameWriter::has_frame_of(double time) const { return index_.find(moment(time)) != std::string::npos; }
@@ -411,24 +446,34 @@ FrameWriter::FrameWriter(std::string folder) : folder_(std::move(folder)) {
 void FrameWriter::write(double time, const std::vector<ShellView>& shells,
                         const std::vector<std::vector<BodyId>>& pieces, const SoftBodies& soft,
                         const std::vector<RigidBody>& bodies, BodyId first_shard, const FrameFields& fields) {
-  if (const std::size_t same = index_.find(moment(time)); same != std::string::npos) index_.resize(same), --count_;
-  const auto put = [&](int part, const char* kind, VtpMesh mesh) {
-    const std::string name = fmt::format("frames/{}_{:06d}.vtp", kind, count_);
+  if (has_frame_of(time)) --count_;
+  for (std::string* index : {&index_, &thick_index_})
+    if (const std::size_t same = index->find(moment(time)); same != std::string::npos) index->resize(same);
+  const auto list = [&](std::string& index, int part, const char* kind) {
+    index += fmt::format("{}part=\"{}\" name=\"{}\" file=\"frames/{}_{:06d}.vtp\"/>\n", moment(time), part, kind, kind,
+                         count_);
+  };
+  const auto write = [&](const char* kind, VtpMesh mesh) {
     mesh.time = time;
-    write_vtp(folder_ + "/" + name, mesh);
-    index_ += fmt::format("{}part=\"{}\" name=\"{}\" file=\"{}\"/>\n", moment(time), part, kind, name);
+    write_vtp(fmt::format("{}/frames/{}_{:06d}.vtp", folder_, kind, count_), mesh);
+  };
+  const auto put = [&](int part, const char* kind, VtpMesh mesh) {
+    write(kind, std::move(mesh)), list(index_, part, kind);
   };
   const ContactOverTime none;
   if (!shells.empty()) {
-    VtpMesh shell, cracks;
+    VtpMesh shell, cracks, thick;
     for (std::size_t k = 0; k < shells.size(); ++k) {
       const ContactOverTime& contact = k < fields.contact.size() ? fields.contact[k] : none;
-      append(shell, shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact), static_cast<int>(k));
+      ShellMeshes meshes = shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact);
+      append(shell, std::move(meshes.middle), static_cast<int>(k));
+      if (fields.thick) append(thick, std::move(meshes.solid), static_cast<int>(k));
       shell.shell_names.push_back(shells[k].model->name);
       shell.shell_areas.push_back(surface_area(*shells[k].model, *shells[k].state).second);
       append(cracks, crack_mesh(*shells[k].model, *shells[k].state), static_cast<int>(k));
     }
-    cracks.shell_names = shell.shell_names;
+    cracks.shell_names = thick.shell_names = shell.shell_names;
+    if (fields.thick) write("thick", std::move(thick)), list(thick_index_, 0, "thick");
     put(0, "shell", std::move(shell)), put(1, "cracks", std::move(cracks));
   }
   BodyMesh out;
@@ -440,18 +485,21 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
       add_mesh(out, b, it->second);
     else
       add_body(out, b);
+    if (!drawn_.empty()) add_places(out, it != drawn_.end() ? &it->second : nullptr);
     if (fields.set.has(FieldSet::kBodyMotion)) add_motion(out, b, number, fields);
   }
   out.mesh.cell_data = {out.body, out.kind};
+  if (!drawn_.empty()) out.mesh.point_data = {out.displacement, out.uv};
   if (fields.set.has(FieldSet::kBodyMotion))
-    out.mesh.point_data = {out.velocity}, out.mesh.cell_data.insert(out.mesh.cell_data.end(), {out.spin, out.mass});
+    out.mesh.point_data.push_back(out.velocity),
+        out.mesh.cell_data.insert(out.mesh.cell_data.end(), {out.spin, out.mass});
   put(2, "bodies", std::move(out.mesh));
   if (!soft.empty()) put(3, "soft", soft_mesh(soft));
+  if (fields.thick) list(thick_index_, 1, "bodies");
+  if (fields.thick && !soft.empty()) list(thick_index_, 2, "soft");
   ++count_;
-  write_atomically(folder_ + "/frames.pvd",
-                   "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
-                   "byte_order=\"LittleEndian\">\n<Collection>\n" +
-                       index_ + "</Collection>\n</VTKFile>\n");
+  write_atomically(folder_ + "/frames.pvd", collection(index_));
+  if (fields.thick) write_atomically(folder_ + "/thick.pvd", collection(thick_index_));
 }
 
 }  // namespace sunder::shell

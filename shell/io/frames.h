@@ -17,6 +17,7 @@ namespace sunder::shell {
 struct FrameFields {
   FieldSet set{};
   std::vector<ContactOverTime> contact{};
+  bool thick = false;  // shells with their thickness too, in thick.pvd
   /// Velocity [m/s] of a body's material at a world point on it, by its number among the bodies of the frame.
   std::function<Vec3(std::size_t body, const Vec3& at)> velocity{};
 };
@@ -38,13 +39,13 @@ class FrameWriter {
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
-    f(count_, index_, drawn_, piece_);
+    f(count_, index_, thick_index_, drawn_, piece_);
   }
 
  private:
   std::string folder_;
   int count_ = 0;
-  std::string index_;
+  std::string index_, thick_index_;
   std::map<BodyId, DrawnMesh> drawn_;
   std::map<BodyId, BodyId> piece_;
 };

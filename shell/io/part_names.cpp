@@ -40,9 +40,12 @@ void check_names(const scene::LoadedScene& scene, const std::vector<ScenePart>& 
     shell_named(scene, parts, fmt::format("seams.rules[{}].first", i), m.seams().rules(i).first());
     shell_named(scene, parts, fmt::format("seams.rules[{}].second", i), m.seams().rules(i).second());
   }
-  for (int i = 0; i < m.output().probes_size(); ++i)
-    if (m.output().probes(i).body().empty())
-      shell_named(scene, parts, fmt::format("output.probes[{}].shell", i), m.output().probes(i).shell());
+  for (int i = 0; i < m.output().probes_size(); ++i) {
+    const auto& p = m.output().probes(i);
+    if (p.body().empty()) shell_named(scene, parts, fmt::format("output.probes[{}].shell", i), p.shell());
+    if (!p.other_shell().empty())
+      shell_named(scene, parts, fmt::format("output.probes[{}].other_shell", i), p.other_shell());
+  }
   for (int i = 0; i < m.strength_lines_size(); ++i)
     for (int k = 0; k < m.strength_lines(i).shells_size(); ++k)
       shells_named(scene, parts, fmt::format("strength_lines[{}].shells[{}]", i, k), m.strength_lines(i).shells(k));

@@ -93,7 +93,8 @@ std::vector<double> values_of(const Probe& p, const ProbeMoment& now) {
     if (now.shells.empty()) return {};
     const ContactSince& c = now.contacts[p.shell];
     Vec3 impulse = Vec3::Zero();
-    for (int d = 0; d < 3 && !c.by_body.empty(); ++d) impulse[d] = c.by_body[3 * p.body + d];
+    const std::vector<double>& given = p.other >= 0 ? c.by_shell : c.by_body;
+    for (int d = 0; d < 3 && !given.empty(); ++d) impulse[d] = given[3 * (p.other >= 0 ? p.other : p.body) + d];
     three(impulse), three(c.on_points.time > 0.0 ? Vec3(impulse / c.on_points.time) : Vec3(Vec3::Zero()));
   } else if (p.body >= 0) {
     const BodyMotion& b = p.soft ? now.soft[p.body] : now.bodies[p.body]->motion;

@@ -9,7 +9,7 @@
 
 namespace sunder::shell {
 
-/// A point of a shell, a body, or the contact of both, that the scene asks to measure.
+/// A point of a shell, a body, or the contact of a shell with a body or another shell, that the scene asks to measure.
 struct Probe {
   std::string name;
   int shell = -1;          // index; -1: the probe is on a body
@@ -17,7 +17,8 @@ struct Probe {
   int body = -1;           // index; -1: the probe is on a shell
   bool soft = false;       // the body is soft
   FieldSet fields{};       // at the point
-  bool is_pair() const { return shell >= 0 && body >= 0; }
+  int other = -1;          // index of the other shell of a pair
+  bool is_pair() const { return shell >= 0 && (body >= 0 || other >= 0); }
 };
 
 /// Model and present state of a shell, and gravity on it [m/s^2].
@@ -29,8 +30,9 @@ struct ShellView {
 
 /// Contact of a shell since the last row.
 struct ContactSince {
-  ContactOverTime on_points{};    // as for fields
-  std::vector<double> by_body{};  // impulse of each body on the shell [N s]; empty: none
+  ContactOverTime on_points{};     // as for fields
+  std::vector<double> by_body{};   // impulse of each body on the shell [N s]; empty: none
+  std::vector<double> by_shell{};  // the same of each other shell
 };
 
 /// What probes look at, at one moment.
@@ -47,8 +49,8 @@ struct ProbeMoment {
 /// the scene.
 std::string probe_header(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models);
 /// Returns a row of probes.csv. A reaction [N] is the force of supports on the shell at the state's forces: minus the
-/// sum over held or driven control points, along each axis. An impulse [N s] is what the part, or the body of a pair,
-/// has given to the shell since the last row.
+/// sum over held or driven control points, along each axis. An impulse [N s] is what the part, or the body or other
+/// shell of a pair, has given to the shell since the last row.
 std::string probe_row(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models,
                       const ProbeMoment& now);
 

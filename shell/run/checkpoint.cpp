@@ -35,7 +35,7 @@ namespace sunder::shell {
 
 template <class A>
 void archive(A& a, DrawnMesh& m) {
-  archive_all(a, m.points, m.triangles);
+  archive_all(a, m.points, m.rest, m.uv, m.triangles);
 }
 
 template <class A>
@@ -71,7 +71,7 @@ void archive_state(A& a, const RunSetup& setup, State& state) {
       state.bodies.emplace_back(std::move(bodies[i]), i < setup.driven.size() ? setup.driven[i] : nullptr,
                                 i < arrived.size() ? arrived[i] : 0.0);
   }
-  archive_all(a, state.stitching, state.seam_strength, state.seam_damage);
+  archive_all(a, state.stitching, state.seam_strength, state.seam_damage, state.shell_impulse);
   state.soft.archive_state(a);
   for (ShellPart& part : state.shells) {
     archive_one(a, part);

@@ -18,12 +18,20 @@ void Coupler::iterate_window(int n, double dt, double last, const std::function<
     std::vector<ShellState> states;
     std::vector<ContactCandidates> candidates;
     Stitching stitching;
+    std::vector<double> shell_impulse;
     std::vector<Proxy> proxies;
     std::uint64_t random;
     std::int64_t substeps;
     double engine_loss;
   };
-  Snapshot start{{}, {}, state_.stitching, state_.bodies, state_.random, state_.substeps, state_.engine_loss};
+  Snapshot start{{},
+                 {},
+                 state_.stitching,
+                 state_.shell_impulse,
+                 state_.bodies,
+                 state_.random,
+                 state_.substeps,
+                 state_.engine_loss};
   for (const ShellPart& part : state_.shells) {
     part.state->caches.trials.clear(), part.state->caches.surroundings = {};  // not copied: they are computed again
     start.states.push_back(*part.state), start.candidates.push_back(part.candidates);
@@ -69,8 +77,8 @@ void Coupler::iterate_window(int n, double dt, double last, const std::function<
     before = residual;
     for (std::size_t p = 0; p < state_.shells.size(); ++p)
       *state_.shells[p].state = start.states[p], state_.shells[p].candidates = start.candidates[p];
-    state_.stitching = start.stitching, state_.bodies = start.proxies, state_.random = start.random,
-    state_.substeps = start.substeps, state_.engine_loss = start.engine_loss;
+    state_.stitching = start.stitching, state_.shell_impulse = start.shell_impulse, state_.bodies = start.proxies,
+    state_.random = start.random, state_.substeps = start.substeps, state_.engine_loss = start.engine_loss;
   }
 }
 

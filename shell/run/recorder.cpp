@@ -20,8 +20,9 @@ std::vector<ContactSince> since(const ContactMark& mark, const ContactMark& now)
   };
   std::vector<ContactSince> out;
   for (std::size_t k = 0; k < now.on_points.size(); ++k)
-    out.push_back(
-        {{less(now.on_points[k], mark.on_points, k), now.time - mark.time}, less(now.by_body[k], mark.by_body, k)});
+    out.push_back({{less(now.on_points[k], mark.on_points, k), now.time - mark.time},
+                   less(now.by_body[k], mark.by_body, k),
+                   less(now.by_shell[k], mark.by_shell, k)});
   return out;
 }
 
@@ -55,10 +56,14 @@ std::vector<ShellView> Recorder::shell_views() const {
 
 ContactMark Recorder::contact_at(double time) const {
   ContactMark mark{time};
+  const std::size_t shells = parts_.simulation.state.shells.size();
   for (const ShellPart& part : parts_.simulation.state.shells) {
     if (!part.state) continue;
     mark.on_points.push_back(part.state->motion.contact_impulse);
     mark.by_body.push_back(part.state->motion.body_impulse);
+    const std::vector<double>& all = parts_.simulation.state.shell_impulse;  // that on each shell in a row
+    const auto from = all.begin() + static_cast<std::ptrdiff_t>(mark.by_shell.size() * (all.size() / shells));
+    mark.by_shell.emplace_back(from, from + static_cast<std::ptrdiff_t>(all.size() / shells));
   }
   return mark;
 }
@@ -72,7 +77,9 @@ void Recorder::write_frame(double time, bool running) {
   const State& state = parts_.simulation.state;
   std::vector<RigidBody> bodies;
   for (const Proxy& p : state.bodies) bodies.push_back(p.body);
-  FrameFields fields{setup.fields, {}, [&](std::size_t i, const Vec3& at) { return state.bodies[i].velocity_at(at); }};
+  FrameFields fields{setup.fields, {}, setup.thick_shells, [&](std::size_t i, const Vec3& at) {
+                       return state.bodies[i].velocity_at(at);
+                     }};
   ContactMark now = contact_at(time);
   if (time > frame_mark_.time) before_frame_ = std::move(frame_mark_);  // a frame may be written anew
   for (ContactSince& c : since(before_frame_, now)) fields.contact.push_back(std::move(c.on_points));

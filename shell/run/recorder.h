@@ -30,11 +30,11 @@ struct GrowthTime {
 struct ContactMark {
   double time = 0.0;                             // [s]
   std::vector<std::vector<double>> on_points{};  // of each shell, since the start [N s]
-  std::vector<std::vector<double>> by_body{};
+  std::vector<std::vector<double>> by_body{}, by_shell{};
 
   template <class A>
   friend void archive(A& a, ContactMark& m) {
-    archive_all(a, m.time, m.on_points, m.by_body);
+    archive_all(a, m.time, m.on_points, m.by_body, m.by_shell);
   }
 };
 

@@ -249,6 +249,7 @@ Json models_of(const RunParts& run) {
   models.add(any([](const ShellSetup& s) { return !s.model.releases.empty(); }), "support_release",
              "a support has until_s", Stage::kKickDrift);
   models.add(!setup.fields.empty(), "fields", "output.fields are given", Stage::kIo);
+  models.add(setup.thick_shells, "thick_shells", "output.thick_shells is true", Stage::kIo);
   models.add(any([](const ShellSetup& s) { return s.fracture.tips_run(); }), "tip_cracks",
              "a shell's material has a strength", Stage::kCrackUpdate);
   models.add(damage, heals ? "rankine_damage" : "rankine_damage_without_healing", "fracture.mode is DAMAGE",

@@ -120,6 +120,8 @@ void Simulation::prepare() {
       }
     state.contact = std::make_unique<ShellContact>(models, setup_.stitches.seams, std::move(laws));
   }
+  if (std::any_of(setup_.probes.begin(), setup_.probes.end(), [](const Probe& p) { return p.other >= 0; }))
+    state.shell_impulse.assign(3 * models.size() * models.size(), 0.0);
   if (setup_.fibre_spacing > 0.0)
     state.fibres = std::make_unique<Fibres>(models, setup_.stitches.seams, setup_.fibre_spacing);
   state.soft = SoftBodies(setup_.soft, models.size(), setup_.laws);
@@ -138,7 +140,8 @@ void Simulation::make_state_of(ShellPart& part) const {
   if (setup_.fields.has(FieldSet::kContactPressure) ||
       any([](const Probe& p) { return p.fields.has(FieldSet::kContactPressure); }))
     s.motion.contact_impulse.assign(s.motion.v.size(), 0.0);
-  if (any([](const Probe& p) { return p.is_pair(); })) s.motion.body_impulse.assign(3 * setup_.bodies.size(), 0.0);
+  if (any([](const Probe& p) { return p.is_pair() && p.body >= 0; }))
+    s.motion.body_impulse.assign(3 * setup_.bodies.size(), 0.0);
 }
 
 bool Simulation::release_supports(double now, double span, double dt) {

@@ -48,7 +48,10 @@ struct State {
   SeamStrength seam_strength;             // of seams that open at a force
   SeamDamage seam_damage;                 // of seams that open where damage is complete
   std::unique_ptr<ShellContact> contact;  // between shells; null where they cannot meet
-  std::unique_ptr<Fibres> fibres;         // null where no shell has any
+  // What each shell has got from each other one by contact since the start [shell][other][3] [N s]; empty: not
+  // measured.
+  std::vector<double> shell_impulse;
+  std::unique_ptr<Fibres> fibres;  // null where no shell has any
   SoftBodies soft;
   int soft_left = 0, soft_most = 0;  // substeps until the soft bodies' step ends; until the window ends
   std::vector<Proxy> bodies;         // moving and static bodies of the scene, then shards, by id

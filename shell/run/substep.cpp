@@ -88,11 +88,19 @@ void soft_contact(const Model& model, State& state, Scratch& scratch, double dt)
 void shell_contact(const Model&, State& state, Scratch& scratch, double dt) {
   if (!state.contact) return;
   Stopwatch w(scratch.times[Stage::kShellContact]);
-  state.contact->act(refs(state, scratch), dt, [&] {
+  ShellContact::Exchange exchanged;
+  if (!state.shell_impulse.empty())
+    exchanged = [&](int a, int b, const Vec3& j) {
+      const std::size_t shells = state.shells.size();
+      for (int d = 0; d < 3; ++d)
+        state.shell_impulse[3 * (b * shells + a) + d] += j[d], state.shell_impulse[3 * (a * shells + b) + d] -= j[d];
+    };
+  const auto share = [&] {
     if (state.stitching.empty()) return;
     state.stitching.move_impulses(refs(state, scratch));
     state.stitching.store_velocities(refs(state, scratch));
-  });
+  };
+  state.contact->act(refs(state, scratch), dt, share, exchanged);
 }
 
 void constrain_all(const Model& model, State& state, Scratch& scratch, double dt) {

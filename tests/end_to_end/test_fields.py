@@ -65,6 +65,55 @@ def areas(shell: PolyData) -> np.ndarray:
     return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
 
+# A free sheet falls on another one, which is free too.
+PAIR = """name: "pair"
+end_time_s: 2e-3
+window_s: 2e-5
+gravity {}
+materials { name: "rubber" density: 1000 youngs_modulus: 1e8 poisson_ratio: 0.3 }
+shells {
+  name: "low" material: "rubber" thickness_m: 0.004
+  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 12 elements_y: 12 }
+}
+shells {
+  name: "high" material: "rubber" thickness_m: 0.004 velocity { x: 1 z: -5 }
+  plate { size_x_m: 0.4 size_y_m: 0.4 elements_x: 10 elements_y: 10 pose { position { x: 0.02 z: 0.008 } } }
+}
+bodies { name: "far" material: "rubber" sphere { radius_m: 0.1 } pose { position { z: 9 } } }
+output {
+  frame_interval_s: 2e-3
+  probe_interval_s: 1e-4
+  probes { name: "down" shell: "low" other_shell: "high" }
+  probes { name: "up" shell: "high" other_shell: "low" }
+  probes { name: "none" shell: "low" body: "far" }
+}
+"""
+
+
+class Pair(unittest.TestCase):
+    def test_two_shells_give_one_another_equal_impulses(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            run(Path(name), PAIR)
+            with (Path(name) / "out" / "probes.csv").open() as file:
+                rows = list(csv.reader(file))
+            columns = {head: np.array([float(row[k]) for row in rows[1:]]) for k, head in enumerate(rows[0])}
+            shell = list_frames(Path(name) / "out")[-1].read(SHELL)
+            assert shell is not None
+        of = shell.of_triangles("shell", 0)
+        for k, axis in enumerate("xyz"):
+            down, up = columns[f"down_impulse_{axis} [N s]"], columns[f"up_impulse_{axis} [N s]"]
+            np.testing.assert_array_equal(down, -up)
+            self.assertFalse(columns[f"none_impulse_{axis} [N s]"].any())
+            force = columns[f"down_{axis} [N]"][1:] * np.diff(columns["time [s]"])
+            np.testing.assert_allclose(force, down[1:], atol=1e-9)
+            # all of its momentum has come by contact: the mean velocity of a sheet at rest before, to what lumping moves
+            velocity = shell.point_data["velocity"][shell.triangles].mean(axis=1)[:, k]
+            momentum = 1000 * 0.004 * float(areas(shell)[of == 0] @ velocity[of == 0])
+            self.assertLess(abs(momentum - down.sum()), 0.01 * np.abs(columns["down_impulse_z [N s]"].sum()), axis)
+        self.assertLess(columns["down_impulse_z [N s]"].sum(), -0.5)
+        self.assertGreater(np.abs(columns["down_impulse_x [N s]"]).max(), 1e-3)  # friction
+
+
 class Fields(unittest.TestCase):
     folder: Path
     columns: dict[str, np.ndarray]

@@ -91,7 +91,8 @@ void ShellContact::add_samples(const ShellRef& shell, const Tile& tile) {
   });
 }
 
-int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std::function<void()>& share) {
+int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std::function<void()>& share,
+                      const Exchange& exchanged) {
   if (age_++ % kContactRefresh == 0) refresh(shells, dt), age_ = 1;
   if (samples_.empty()) return 0;
   for (std::size_t p = 0; p < samples_.size(); ++p) {
@@ -104,7 +105,11 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
   const int touching = fields_.push(samples_, dt);
   for (int pass = 1; touching > 0; ++pass) {
     add_impulses_to_control_points(shells, dt);
-    separate_folds(shells, dt);
+    if (exchanged)
+      fields_.each_exchange([&](int a, int b, const Vec3& j) {
+        if (a != b) exchanged(a, b, j);
+      });
+    separate_folds(shells, dt, exchanged);
     if (pass == kPasses) break;
     if (share) share();
     for (const int p : fields_.near()) {
@@ -122,7 +127,7 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
 // stopped with that mass, and separated with their own, or control points would be thrown. A held control point counts
 // as free; otherwise the last free one beside it would be thrown. Beside dependent control points, which pass impulses
 // on later, the samples' own mass is used for stopping too.
-void ShellContact::separate_folds(const std::vector<ShellRef>& shells, double dt) {
+void ShellContact::separate_folds(const std::vector<ShellRef>& shells, double dt, const Exchange& exchanged) {
   for (const FieldContact::Close& c : fields_.folds()) {
     const Vec3 line = samples_[c.q].x - samples_[c.p].x;
     const double apart = line.norm();
@@ -158,6 +163,7 @@ void ShellContact::separate_folds(const std::vector<ShellRef>& shells, double dt
     const double given = std::min(own, 1.0 / mobility);
     const double j = (depends ? given * stop : stop / mobility) + given * rest;
     for (const Share& p : parting_) push(*shells[p.shell].state, p.slot, p.share * j * n, dt);
+    if (const int a = samples_[c.p].shell, b = samples_[c.q].shell; exchanged && a != b) exchanged(a, b, j * n);
   }
 }
 

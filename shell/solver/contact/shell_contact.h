@@ -15,17 +15,22 @@ class ShellContact {
   ShellContact(const std::vector<const ShellModel*>& shells, const std::vector<Seam>& seams,
                std::vector<std::vector<SurfaceLaw>> laws);
 
+  /// What shell b has got from shell a at one place [N s].
+  using Exchange = std::function<void(int a, int b, const Vec3& impulse)>;
+
   /// Applies contact impulses to control points after the kick of `dt` [s] and books their work. Candidates are looked
   /// up every kContactRefresh substeps; without candidates there is no other cost. `share` is called between passes, so
-  /// that dependent control points pass their impulses on. Returns the number of places in contact.
-  int act(const std::vector<ShellRef>& shells, double dt, const std::function<void()>& share = {});
+  /// that dependent control points pass their impulses on; `exchanged` for each impulse between two different shells.
+  /// Returns the number of places in contact.
+  int act(const std::vector<ShellRef>& shells, double dt, const std::function<void()>& share = {},
+          const Exchange& exchanged = {});
   /// Makes the next substep look up candidates again.
   void forget() { age_ = 0; }
   int candidates() const { return static_cast<int>(samples_.size()); }
 
  private:
   void refresh(const std::vector<ShellRef>& shells, double dt);
-  void separate_folds(const std::vector<ShellRef>& shells, double dt);
+  void separate_folds(const std::vector<ShellRef>& shells, double dt, const Exchange& exchanged);
   void add_impulses_to_control_points(const std::vector<ShellRef>& shells, double dt);
   void add_samples(const ShellRef& shell, const Tile& tile);
   /// Calls f(slot, value) for each function of a sample.

@@ -171,7 +171,9 @@ void add_flat_parts(const ShellModel& m, const PieceSurface& surface, const Outl
   std::move(parts.begin(), parts.end(), std::back_inserter(shape.parts));
 }
 
-void draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece, double thickness, DrawnMesh& drawn) {
+std::vector<Vec2> draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece, double thickness,
+                              DrawnMesh& drawn) {
+  std::vector<Vec2> parameters;
   std::vector<Faces> face(t.vertices.size());
   std::vector<char> known(t.vertices.size(), 0);
   std::vector<int> drawn_as(t.vertices.size(), -1);  // the lower face's point in the mesh
@@ -191,6 +193,7 @@ void draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece,
       if (drawn_as[v] >= 0) continue;
       drawn_as[v] = static_cast<int>(drawn.points.size());
       drawn.points.push_back(face[v].low), drawn.points.push_back(face[v].high);
+      parameters.push_back(t.vertices[v]);
     }
     const auto low = [&](int k) { return drawn_as[c[k]]; };
     drawn.triangles.push_back({low(0) + 1, low(1) + 1, low(2) + 1});
@@ -202,6 +205,7 @@ void draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece,
       drawn.triangles.push_back({a, b + 1, a + 1});
     }
   }
+  return parameters;
 }
 
 }  // namespace sunder::shell

@@ -39,6 +39,8 @@ bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, dou
 void add_flat_parts(const ShellModel& model, const PieceSurface& surface, const Outline& outline, ConvexShape& shape);
 
 /// Draws a prism for each triangle of a piece. Prisms of one piece share their corners and have no walls between them.
-void draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece, double thickness, DrawnMesh& drawn);
+/// Returns the parameter [m] of each pair of new points.
+std::vector<Vec2> draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece, double thickness,
+                              DrawnMesh& drawn);
 
 }  // namespace sunder::shell

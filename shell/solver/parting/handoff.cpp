@@ -221,7 +221,8 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
         faces(p, corners[corners.size() - 2], corners.back());
       }
     }
-  if (is_bent(rest, t, piece, kDrawnFlat * m.thickness)) return draw_prisms(rest, t, piece, m.thickness, drawn);
+  if (is_bent(rest, t, piece, kDrawnFlat * m.thickness))
+    return add_rest(m, draw_prisms(rest, t, piece, m.thickness, drawn), drawn);
   const int first = static_cast<int>(drawn.points.size());
   for (const Vec2& p : outline.vertices) {
     drawn.points.emplace_back(), drawn.points.emplace_back();
@@ -235,6 +236,16 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
   for (const auto& [a, b] : outline.border) {
     drawn.triangles.push_back({low(a), low(b), low(b) + 1});
     drawn.triangles.push_back({low(a), low(b) + 1, low(a) + 1});
+  }
+  add_rest(m, outline.vertices, drawn);
+}
+
+void add_rest(const ShellModel& m, const std::vector<Vec2>& parameters, DrawnMesh& drawn) {
+  for (const Vec2& p : parameters) {
+    const SurfacePoint q = m.patch.evaluate(p);
+    const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
+    drawn.rest.push_back(q.x - n), drawn.rest.push_back(q.x + n);
+    drawn.uv.insert(drawn.uv.end(), 2, unit_parameter(m, p));
   }
 }
 
@@ -489,6 +500,8 @@ Handoff joined(const std::vector<Handoff>& parts) {
     }
     const int before = static_cast<int>(out.drawn.points.size());
     for (const Vec3& p : h.drawn.points) out.drawn.points.push_back(arm + turn * p);
+    out.drawn.rest.insert(out.drawn.rest.end(), h.drawn.rest.begin(), h.drawn.rest.end());
+    out.drawn.uv.insert(out.drawn.uv.end(), h.drawn.uv.begin(), h.drawn.uv.end());
     for (const auto& c : h.drawn.triangles)
       out.drawn.triangles.push_back({before + c[0], before + c[1], before + c[2]});
   }

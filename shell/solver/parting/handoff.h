@@ -12,6 +12,8 @@ namespace sunder::shell {
 struct DrawnMesh {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
+  std::vector<Vec3> rest{};  // of each point, its place on a face of the shell at rest, in the world [m]
+  std::vector<Vec2> uv{};    // and the parameters of that place, 0 to 1 over the patch [-]
 };
 
 /// Mass, momentum and angular momentum about the origin of all control points, and the sums of the terms' magnitudes,
@@ -55,6 +57,9 @@ void fit_pose(const ShellModel& model, const ShellState& state, const std::vecto
 /// `shape` and a mesh to `drawn`. A curved piece is made of flat parts and drawn with inner vertices.
 void thicken(const ShellModel& model, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
              ConvexShape& shape, DrawnMesh& drawn);
+/// Notes places at rest and parameters of points that were drawn last, from their parameters [m] on the patch.
+/// Points come in pairs, the lower face first.
+void add_rest(const ShellModel& model, const std::vector<Vec2>& parameters, DrawnMesh& drawn);
 /// Removes a piece: nothing reads or moves its control points and Gauss points any more.
 void remove_piece(const ShellModel& model, ShellState& state, const Piece& piece);
 

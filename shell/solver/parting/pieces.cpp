@@ -8,6 +8,11 @@ Eigen::AlignedBox2d domain_of(const ShellModel& m) {
   return {Vec2(u.begin(), v.begin()), Vec2(u.end(), v.end())};
 }
 
+Vec2 unit_parameter(const ShellModel& m, const Vec2& p) {
+  const Eigen::AlignedBox2d domain = domain_of(m);
+  return (p - domain.min()).cwiseQuotient(domain.sizes());
+}
+
 Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<const Eigen::AlignedBox2d> knots_in) {
   std::vector<Vec2> places =
       m.trim.empty() ? m.parameter : m.trim.home;  // a point on a crack belongs to its left side, as for visibility

@@ -23,6 +23,8 @@ struct Piece {
 
 /// Returns the parameter domain of a patch.
 Eigen::AlignedBox2d domain_of(const ShellModel& model);
+/// Returns a parameter [m] as a share of the domain, 0 to 1 along each direction.
+Vec2 unit_parameter(const ShellModel& model, const Vec2& parameter);
 /// Triangulates the patch with the present cracks, and with knots in the boxes `knots_in`; control points are assigned
 /// to pieces. A border control point that a crack along a clamp has parted belongs to no piece.
 Triangulation triangulated(const ShellModel& model, const ShellState& state,

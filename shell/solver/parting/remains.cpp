@@ -45,7 +45,7 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
       out.area += p.area;
       if (is_bent(present, t, p.number, kBentPiece * m.thickness)) {
         add_flat_parts(m, present, outline_of(t, p.number), shape);
-        draw_prisms(present, t, p.number, m.thickness, out.drawn);
+        add_rest(m, draw_prisms(present, t, p.number, m.thickness, out.drawn), out.drawn);
         continue;
       }
       Mat3 rotation;

@@ -41,12 +41,39 @@ TEST(OutputFields, AreRefusedWhereNothingHasThem) {
                  "output.probes[0].body", {"a soft body, whose contact with a shell is not measured"});
 }
 
+TEST(OutputFields, AreOfTwoShellsToo) {
+  const std::string second =
+      "shells { name: \"lid\" material: \"glass\" thickness_m: 0.004 plate { size_x_m: 0.3 size_y_m: 0.3 elements_x: "
+      "16 "
+      "elements_y: 16 pose { position { z: -0.1 } } } }\n";
+  const auto probe = [&](const std::string& more) {
+    return second + "output { thick_shells: true probes { name: \"a\" " + more + " } }\n";
+  };
+  const auto setup = built(scene("", probe("shell: \"lid\" other_shell: \"pane\"")));
+  EXPECT_TRUE(setup.thick_shells);
+  ASSERT_EQ(setup.probes.size(), 1u);
+  EXPECT_TRUE(setup.probes[0].is_pair());
+  EXPECT_EQ(setup.probes[0].shell, 1);
+  EXPECT_EQ(setup.probes[0].other, 0);
+  const auto refused = [&](const std::string& more, const std::string& says) {
+    expect_refusal(scene("", probe(more)), "output.probes[0].other_shell", {says});
+  };
+  refused("shell: \"pane\" body: \"ball\" other_shell: \"lid\"", "a body is given; leave one of them out");
+  refused("other_shell: \"lid\"", "shell is missing; name the first one");
+  refused("shell: \"pane\" other_shell: \"lid\" at { u: 0.1 }", "those of a point; leave them out");
+  refused("shell: \"pane\" other_shell: \"lid\" fields: STRESS", "those of a point; leave them out");
+  refused("shell: \"pane\" other_shell: \"pane\"", "is 'pane', as shell is; name another one");
+  refused("shell: \"pane\" other_shell: \"lit\"", "is no shell of this scene");
+}
+
 TEST(OutputFields, AreRefusedInScenesThatHaveNoShellOrNoBody) {
   const std::string pane = kScene.substr(kScene.find("shells {"), kScene.find("bodies {") - kScene.find("shells {"));
   std::string bodies = kScene, shells = kScene;
   bodies.erase(bodies.find(pane), pane.size()), shells.erase(shells.find("bodies {"));
   expect_refusal(bodies + "output { fields: STRESS }\n", "output.fields[0]",
                  {"the scene has no shell", "leave it out"});
+  expect_refusal(bodies + "output { thick_shells: true }\n", "output.thick_shells",
+                 {"the scene has no shell; leave it out"});
   expect_refusal(shells + "output { fields: BODY_MOTION }\n", "output.fields[0]",
                  {"no rigid body and no shell that breaks"});
 }

@@ -138,6 +138,42 @@ TEST(ShellContact, MomentumStaysAndEnergyIsBooked) {
   }
 }
 
+// Three free sheets: what each has got from the others is what its momentum has changed by, and all together get
+// nothing.
+TEST(ShellContact, ImpulsesOfPairsAreTheChangeOfMomentum) {
+  const Quat askew(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
+  Rig rig(setup_of({{sheet(0.5, 12, Vec3::Zero(), 0.004)},
+                    {sheet(0.4, 10, Vec3(0.02, 0.01, 0.008), 0.004, askew), Vec3(1, 0, -5)},
+                    {sheet(0.3, 8, Vec3(0.1, 0.05, 0.016), 0.004), Vec3(0, 0, -9)}}));
+  rig.meet({0.3, 0.0});
+  std::vector<double>& given = rig.now().shell_impulse;
+  given.assign(27, 0.0);
+  const auto momentum = [&](int k) {
+    Vec3 sum = Vec3::Zero();
+    for (int i = 0; i < rig.model(k).control_points(); ++i) {
+      const int slot = rig.model(k).tables.slot(i);
+      sum += rig.state(k).motion.mass[slot] * rig.state(k).velocity(slot);
+    }
+    return sum;
+  };
+  const auto pair = [&](int k, int other) -> Vec3 { return Vec3::Map(&given[3 * (3 * k + other)]); };
+  std::vector<Vec3> before;
+  for (int k = 0; k < 3; ++k) before.push_back(momentum(k));
+  double dt = 1.0;
+  for (int k = 0; k < 3; ++k) dt = std::min(dt, 0.5 * stable_step(rig.model(k), rig.state(k), 60, 1, false));
+  rig.run(400, dt);
+  for (int k = 0; k < 3; ++k) {
+    Vec3 sum = Vec3::Zero();
+    for (int other = 0; other < 3; ++other) {
+      EXPECT_EQ((pair(k, other) + pair(other, k)).norm(), 0.0) << k << " " << other;
+      sum += pair(k, other);
+    }
+    EXPECT_LT((sum - (momentum(k) - before[k])).norm(), 1e-12 * before[2].norm()) << k;
+  }
+  EXPECT_LT(pair(0, 1).z(), -0.05 * before[1].norm());  // they did meet, and the third one did
+  EXPECT_LT(pair(1, 2).z(), -0.05 * before[2].norm());
+}
+
 TEST(ShellContact, SheetsThatMeetSquarelyGoOnTogetherAtAThicknessApart) {
   // equal, one over the other: without restitution both go on with half the velocity
   Rig rig(setup_of({{rubber_sheet(0.3, 10, Vec3::Zero(), 0.01)},
