@@ -28,6 +28,7 @@ SUN_SIZE = 0.12       # [rad]: soft shadows
 SKY = ((0.0, (0.20, 0.22, 0.25)), (0.10, (0.62, 0.66, 0.70)), (0.28, (0.30, 0.36, 0.44)), (0.62, (0.55, 0.66, 0.82)),
        (0.80, (1.1, 1.1, 1.08)))
 BRIGHTEST = 4.0       # of light that comes by glass or metal: single grains brighter than that would not average out
+EDGE_DEPTH = 0.6      # power of its colour that an edge of glass has
 CLEAREST = 0.12       # share of its colour that a sheet of glass has where it is looked through
 EXPOSURE = -0.55      # [stops]
 LEVEL = 1e-3          # [of the size of the scene] within which a body that is flat lies on the ground
@@ -87,7 +88,8 @@ def _dress(material: Any, looks: dict[str, dict[str, Any]]) -> None:
         clear = tuple(1.0 - CLEAREST * (1.0 - c) for c in colour)
         _put(shader, {"Transmission": 1.0, "Transmission Weight": 1.0, "Roughness": rough, "IOR": 1.52, "Base Color": clear})
         if material.name.endswith("_edge"):  # light that has gone through the sheet lengthwise is coloured, and scattered
-            _put(shader, {"Base Color": colour, "Roughness": 0.3, "Transmission": 0.6, "Transmission Weight": 0.6})
+            _put(shader, {"Base Color": tuple(c ** EDGE_DEPTH for c in colour), "Roughness": 0.3, "Transmission": 0.6,
+                          "Transmission Weight": 0.6})
         _let_light_through(tree, shader)
         return
     _put(shader, {"Base Color": colour, "Roughness": rough})

@@ -1,6 +1,6 @@
 // Colours of triangles and corners: [r, g, b] in 0..1, as on the screen.
 
-export const GLASS = [0.56, 0.79, 0.79];
+export const GLASS = [0.56, 0.80, 0.75];
 export const DEBRIS = [0.66, 0.69, 0.71]; // shards of an unknown one of several shells
 const STEEL = [0.58, 0.60, 0.63];
 const FLOOR = [0.87, 0.87, 0.86];

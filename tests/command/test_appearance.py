@@ -116,6 +116,15 @@ class Pictures(unittest.TestCase):
         np.testing.assert_array_equal(one.parts_by_thickness(points, triangles, unknown), [0, 0, 0, 2])
         np.testing.assert_array_equal(Look().parts_by_thickness(points, triangles, unknown), unknown)
 
+    def test_what_is_frozen_has_the_material_of_the_shell_that_was_there(self) -> None:
+        places = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+        look = replace(Look(), last=(places, np.array([4, 2])))
+        points = np.array([[x, 0.1, z] for x in (0.1, 0.2, 0.3, 0.8, 0.9, 1.2) for z in (-0.01, 0.01)])
+        triangles = np.array([[1, 3, 5], [7, 9, 11], [0, 4, 2], [6, 8, 10]])
+        frozen, part = np.array([True, True, False, True]), np.array([-1, -1, -1, 1])
+        np.testing.assert_array_equal(look.parts_of_frozen(points, triangles, part, frozen), [4, 2, -1, 1])
+        np.testing.assert_array_equal(Look().parts_of_frozen(points, triangles, part, frozen), part)
+
 
 if __name__ == "__main__":
     unittest.main()

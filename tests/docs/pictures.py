@@ -70,7 +70,7 @@ PICTURES = (
     Picture("scenes/glass_cycles.jpg", "scenes/glass.textproto", (0.118,),
             ("--cycles", "64", "--view", "20,22", "--size", "760x580", "--no-caption"), width=760),
     Picture("scenes/bowl.png", "scenes/bowl.textproto"),
-    Picture("scenes/rabbit.jpg", "scenes/rabbit.textproto", (0.0, 0.25),
+    Picture("scenes/rabbit.jpg", "scenes/rabbit.textproto", (0.0, 0.04),
             ("--cycles", "64", "--size", "748x630", "--no-caption"), width=1000),
     Picture("scenes/car_cycles.jpg", "scenes/impactor.textproto", (0.12,),
             ("--cycles", "64", "--size", "760x500", "--no-caption"), width=760),

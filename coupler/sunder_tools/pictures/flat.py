@@ -8,7 +8,7 @@ import numpy as np
 from ..report.columns import read_columns
 from .frames import CRACKS, SHELL, Frame
 from .meshes import Scene, edges, reference_points, weld
-from .raster import Camera, line_pixels, orthographic_camera, rasterise
+from .raster import Camera, line_pixels, nothing, orthographic_camera, rasterise
 from .views import INK, background, draw_scene
 from .vtp import PolyData
 
@@ -73,6 +73,7 @@ class _Pattern:
         self.camera, self._width, self._height = camera, width, height
         self._picture = background(width, height)
         self._free = np.ones(width * height, bool)
+        self._nearest = nothing(width * height)
         self._ink: list[np.ndarray] = []
 
     def paint(self, mesh: PolyData, cracks: PolyData | None, whole: bool) -> None:
@@ -88,11 +89,10 @@ class _Pattern:
         colours = _pastel(fragment)[shown]
         colours += 0.6 * damage[shown, None] * (DAMAGE - colours)
         fresh = np.zeros(len(self._free), bool)
-        for one in [np.arange(len(shown))] if whole else _split(fragment[shown]):
-            hit, triangle = self._rasterise(pixels, near, mesh.triangles[shown[one]])
-            self._picture[hit] = colours[one[triangle]]
-            fresh[hit] = True
-            self._free[hit] = False
+        hit, triangle = self._rasterise(pixels, near, mesh.triangles[shown])
+        self._picture[hit] = colours[triangle]
+        fresh[hit] = True
+        self._free[hit] = False
         pieces = np.isin(fragment, fragment[shown])
         lines = [points[edges(mesh.triangles[pieces], weld(points), fragment[pieces], None)]]
         if cracks is not None and (whole or "displacement" in cracks.point_data):
@@ -114,28 +114,19 @@ class _Pattern:
         return (inside & self._free[np.where(inside, at[..., 1] * self._width + at[..., 0], 0)]).any(axis=1)
 
     def _rasterise(self, pixels: np.ndarray, near: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns free pixels that triangles cover, and these triangles; only the part of the picture around them."""
-        corner = pixels[triangles].reshape(-1, 2)
-        size = np.array([self._width, self._height])
-        low = np.clip(np.floor(corner.min(axis=0)).astype(int) - 1, 0, size - 1)
-        wide, high = np.clip(np.ceil(corner.max(axis=0)).astype(int) + 1, low + 1, size) - low
-        index, _ = rasterise(pixels - low, near, triangles, wide, high)
-        at = np.flatnonzero(index >= 0)
-        row, column = np.divmod(at, wide)
-        place = (row + low[1]) * self._width + column + low[0]
-        free = self._free[place]
-        return place[free], index[at[free]]
+        """Returns free pixels that triangles cover, and these triangles."""
+        index, depth = self._nearest
+        rasterise(pixels, near, triangles, self._width, self._height, self._nearest)
+        covered = np.flatnonzero(index >= 0)
+        hit = covered[self._free[covered]]
+        triangle = index[hit]
+        index[covered], depth[covered] = -1, -np.inf
+        return hit, triangle
 
     def _pixels(self, segments: np.ndarray) -> np.ndarray:
         start, near_start = self.camera.project(segments[:, 0])
         end, near_end = self.camera.project(segments[:, 1])
         return line_pixels(start, end, near_start, near_end, self._width, self._height, 2)[0]
-
-
-def _split(labels: np.ndarray) -> list[np.ndarray]:
-    """Returns the places of each label: pieces far from one another have small boxes each."""
-    order = np.argsort(labels, kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(labels[order])) + 1)
 
 
 def along_normal(points: np.ndarray, triangles: np.ndarray, width: int, height: int, margin: float) -> Camera:

@@ -33,7 +33,7 @@ class Ground:
         """Returns colours at points of the plane: its lines, shadows `dark` (n,) 0..1, and what is `behind` far away.
         `pixel_m` is the size of a pixel there [m]."""
         away = np.hypot(points[:, 0] - float(self.centre[0]), points[:, 1] - float(self.centre[1])) / self.size
-        share = np.clip((away - FADE[0]) / (FADE[1] - FADE[0]), 0.0, 1.0)
+        share = np.minimum(np.maximum((away - FADE[0]) / (FADE[1] - FADE[0]), 0.0), 1.0)
         share = (share * share * (3.0 - 2.0 * share))[:, None]
         own = COLOUR.astype(points.dtype) * ((1.0 - 0.09 * lines(points, pixel_m, self.spacing)) * (1.0 - dark))[:, None]
         return own + share * (behind - own)
@@ -48,4 +48,4 @@ def lines(points: np.ndarray, pixel_m: np.ndarray, spacing: float) -> np.ndarray
     """Returns how far points (n, 3) are on a line of the grid, 0..1, a pixel wide."""
     x, y = points[:, 0] / spacing, points[:, 1] / spacing
     off = np.minimum(np.abs(x - np.rint(x)), np.abs(y - np.rint(y))) * spacing  # [m] from a line
-    return np.clip(1.2 - off / pixel_m, 0.0, 1.0)
+    return np.minimum(np.maximum(1.2 - off / pixel_m, 0.0), 1.0)

@@ -268,6 +268,7 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
             mine = bodies.triangles[broken]
             points, corners, smooth, side = _shaded_shards(bodies.points, mine, body[broken])
             part = look.parts_by_thickness(bodies.points, mine, parts_of_bodies(body[broken], look.part_of))
+            part = look.parts_of_frozen(bodies.points, mine, part, (kind == FROZEN)[broken])
             colours = _broken_colours(body[broken], (kind == FROZEN)[broken], look, part, several, speed[broken])
             clear = is_glass(np.maximum(part, 0), look.glass) & (part >= 0) if several else np.ones(len(part), bool)
             for where, surfaces in ((clear, glass), (~clear, solid)):

@@ -86,15 +86,20 @@ def orthographic_camera(centre: np.ndarray, direction: np.ndarray, up: np.ndarra
                   np.array([0.5 * width, 0.5 * height]), False)
 
 
-def rasterise(pixels: np.ndarray, nearness: np.ndarray, triangles: np.ndarray, width: int,
-              height: int) -> tuple[np.ndarray, np.ndarray]:
+def nothing(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Returns what `rasterise` finds for so many pixels where no triangle is: indices -1, nearness -inf."""
+    return np.full(count, -1, np.int64), np.full(count, -np.inf)
+
+
+def rasterise(pixels: np.ndarray, nearness: np.ndarray, triangles: np.ndarray, width: int, height: int,
+              before: tuple[np.ndarray, np.ndarray] | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Finds the nearest triangle for each pixel: indices, -1 where none; nearness, -inf where none; flat, row by
     row.
 
-    `pixels` (n, 2) and `nearness` (n,) are the projected points; both sides of triangles are seen.
+    `pixels` (n, 2) and `nearness` (n,) are the projected points; both sides of triangles are seen. The result is written into
+    `before` where that is given.
     """
-    index = np.full(width * height, -1, np.int64)
-    depth = np.full(width * height, -np.inf)
+    index, depth = before if before is not None else nothing(width * height)
     corner = pixels[triangles]  # (m, 3, 2)
     near = nearness[triangles]
     a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]

@@ -80,5 +80,5 @@ class Shadows:
             for step, share in ((0, (1 - right) * (1 - down)), (1, right * (1 - down)), (TEXELS + 2, (1 - right) * down),
                                 (TEXELS + 3, right * down)):
                 found += share * (np.take(nearest, first + step) > near)
-            np.maximum(dark, strength * np.clip(found, 0.0, 1.0), out=dark)
+            np.maximum(dark, strength * np.minimum(found, 1.0), out=dark)
         return dark

@@ -18,7 +18,7 @@ STEEPEST = 6.0           # rise of a surface over a pixel [pixels] above which p
 EDGE_OPACITY = 1.1       # of glass along its sheet, where its colour is deep
 FLAT = 0.9               # cosine between faces below which they are
 GRID_M = 0.1             # spacing of the lines on the floor
-BAND = 1 << 14           # [pixels] that are shaded at once; their arrays fit into the cache of a core
+BAND = 1 << 15           # [pixels] that are shaded at once; their arrays fit into the cache of a core
 
 
 def background(width: int, height: int) -> np.ndarray:
@@ -70,7 +70,7 @@ class _Shader:
         mirror = (0.04 + 0.60 * _cube(1.0 - facing))[:, None]
         up = 2.0 * facing * normal[:, 2] - eye[:, 2]
         lambert = np.maximum(normal @ LIGHT32, 0.0) * (1.0 - dark)
-        sky = (0.55 + 0.50 * np.clip(0.5 + up, 0.0, 1.0))[:, None]
+        sky = (0.55 + 0.50 * np.minimum(np.maximum(0.5 + up, 0.0), 1.0))[:, None]
         own = mirror * sky + 0.30 * share * (0.60 + 0.55 * lambert)[:, None] * tint
         own += (0.35 * _cube(_highlight(normal, eye)) ** 8 * (1.0 - 2.0 * dark))[:, None]
         return (1.0 - mirror) * (1.0 - 0.30 * share) * (1.0 - share * (1.0 - tint)), own
@@ -100,7 +100,9 @@ class _Shader:
         corners, smooth = self._surface.triangles, self._smooth
         sum_ = np.zeros((len(at), 3), np.float32)
         for k, (gradient, offset) in enumerate(self._weights):
-            weight: np.ndarray = np.clip(_dot(np.take(gradient, triangle, axis=0), point) - np.take(offset, triangle), 0.0, 1.0)
+            weight = _dot(np.take(gradient, triangle, axis=0), point)
+            weight -= np.take(offset, triangle)
+            np.minimum(np.maximum(weight, 0.0, out=weight), 1.0, out=weight)
             sum_ += weight[:, None] * np.take(smooth, np.take(corners[:, k], triangle), axis=0)
         length = np.sqrt(_dot(sum_, sum_))
         seen = length > 1e-6
@@ -192,9 +194,10 @@ class _Painter:
             kind[shown], depth[shown] = GROUND, near[shown]
         smooth = self._smooth(kind, depth, index, self._solid.normals)
         for one in (PIECE, FLOOR, GROUND):
-            at, blocks = self._chosen(kind == one, smooth)
-            if not len(at):
+            shown = kind == one
+            if not shown.any():
                 continue
+            at, blocks = self._chosen(shown, smooth)
             world = self._world(at, blocks, begin, depth)
             if one == PIECE:
                 colours = self._solid.opaque(index[at], world, self._camera.towards_eye(world), self._shadows)
@@ -270,11 +273,11 @@ class _Painter:
         if not smooth.size:
             return np.flatnonzero(shown), 0
         whole = shown.reshape(-1, self._width)
-        row, column = np.nonzero(smooth & whole[::2, ::2])
-        single = whole.copy()
+        row, column = np.divmod(np.flatnonzero((smooth & whole[::2, ::2]).ravel()), self._width // 2)
+        single, rough = whole.copy(), ~smooth
         for i in (0, 1):
             for j in (0, 1):
-                single[i::2, j::2] &= ~smooth
+                single[i::2, j::2] &= rough
         return np.concatenate([2 * row * self._width + 2 * column, np.flatnonzero(single.ravel())]), len(row)
 
     def _spread(self, at: np.ndarray, blocks: int) -> Iterator[tuple[np.ndarray, slice]]:

@@ -22,7 +22,7 @@ class Appearance:
     roughness: float = 0.5  # of reflections: 0 as in a mirror, 1 matt
 
 
-GLASS = Appearance("glass", (0.56, 0.79, 0.79), 0.0)
+GLASS = Appearance("glass", (0.56, 0.80, 0.75), 0.0)
 ACRYLIC = Appearance("glass", (0.73, 0.84, 0.91), 0.05)
 PAINT = Appearance("paint", (0.70, 0.20, 0.16), 0.35)
 PORCELAIN = Appearance("plain", (0.94, 0.93, 0.90), 0.12)
