@@ -26,13 +26,10 @@ void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shel
           f + ".grid_spacing_m", "is {}; must be positive [m]", m.grid_spacing_m());
   for (const proto::Material& q : s.message.materials()) {
     if (q.name() != shell.material()) continue;
-    s.check(!q.has_strength(), f, "are for shells that do not break, and material '{}' has a strength; leave one out",
-            q.name());
     s.check(!q.has_stiffness_damping_s(), f,
             "exclude stiffness_damping_s, which material '{}' has; take mass_damping_per_s, or leave one of them out",
             q.name());
   }
-  s.check(shell.cuts_size() == 0, f, "are for shells that do not break, and this one has cuts; leave one out");
   s.check(!shell.has_equilibrium(), at + ".equilibrium",
           "is for a shell alone, and this one has fibres, which carry the pressure of others; leave one of them out");
   bool others = s.message.shells_size() > 1;  // a shell with fibres to touch: another one, or itself by a contact pair

@@ -10,6 +10,7 @@
 
 #include "coupler/core/error.h"
 #include "shell/solver/contact/fibres.h"
+#include "shell/solver/cracking/polyline.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/pile.h"
 
@@ -97,6 +98,55 @@ TEST(Fibres, ForcesDoTheWorkThatIsStoredAndSlips) {
     l.fibres().forget();
   }
   EXPECT_GT(compared, 3);
+}
+
+// The functions beside a cut are rounded to 2^-30 of the largest: they keep sums, and torques to about that.
+TEST(Fibres, BesideACutForcesBalanceAndDoTheirWork) {
+  Pile l = meeting();
+  insert_polyline(l.model(0), l.state(0), {{0.1, 0.21}, {0.42, 0.31}}, 0.0);
+  insert_polyline(l.model(1), l.state(1), {{0.05, 0.05}, {0.33, 0.36}}, 0.0);
+  const double dt = 0.5 * l.stable();
+  int strained = 0, compared = 0;
+  for (int k = 0; k < 60; ++k) {
+    l.run(10, dt);
+    const Felt f = felt(l);
+    if (f.sum == 0.0) continue;
+    ++strained;
+    EXPECT_LT(f.force.norm(), 1e-12 * f.sum) << k;
+    EXPECT_LT(f.torque.norm(), 1e-8 * f.torque_sum) << k;
+    const double before = l.fibres().energy() + l.contact();
+    if (std::abs(f.power) < 1.0) continue;
+    ++compared;
+    std::vector<ShellState> kept{l.state(0), l.state(1)};
+    const double tiny = 1e-5 * dt;
+    for (const ShellRef& r : l.refs())
+      for (std::size_t i = 0; i < r.state->motion.x.size(); ++i) r.state->motion.x[i] += tiny * r.state->motion.v[i];
+    l.fibres().advance(l.refs(), tiny);
+    EXPECT_NEAR((l.fibres().energy() + l.contact() - before) / tiny, -f.power, 1e-3 * std::abs(f.power)) << k;
+    for (std::size_t i = 0; i < 2; ++i) l.state(i) = kept[i];
+    l.fibres().forget();
+  }
+  EXPECT_GT(strained, 5);
+  EXPECT_GT(compared, 3);
+}
+
+// A cut that comes while layers are pressed changes no stored energy of fibres, and what became rubble releases its
+// own.
+TEST(Fibres, ACutWhileLayersArePressedIsSeenAtOnce) {
+  Pile l = meeting();
+  const double dt = 0.5 * l.stable();
+  for (int k = 0; k < 60 && felt(l).sum == 0.0; ++k) l.run(10, dt);
+  l.run(30, dt);
+  ASSERT_GT(felt(l).sum, 0.0);
+  const double stored = l.fibres().energy(), contact = l.contact();
+  insert_polyline(l.model(0), l.state(0), {{0.1, 0.21}, {0.42, 0.31}}, 0.0);
+  int rubble = 0;
+  for (GatheredPoint& g : l.state(0).cracked.gathered)
+    if (!g.in_rows && rubble < 40) ++rubble, g.kind = PointKind::kDead, g.functions.clear();
+  l.fibres().advance(l.refs(), 1e-12);
+  EXPECT_LT(l.fibres().energy(), stored);
+  EXPECT_NEAR(l.fibres().energy() + l.contact(), stored + contact, 1e-6 * stored);
+  EXPECT_LT(felt(l).force.norm(), 1e-12 * felt(l).sum);
 }
 
 TEST(Fibres, KeepTheirStateInRigidMotion) {
