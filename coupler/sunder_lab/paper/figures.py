@@ -81,16 +81,15 @@ FIGURES = {figure.number: figure for figure in (
     Figure(12, "A bullet through thin metal",
            "A fast bullet pierces a thin sheet of metal, leaves a clean cut and a permanent deformation; debris flies on.",
            ("fig12",),
-           ("It runs in mode TIPS: mode DAMAGE does not take a material that yields. What yields does not take damage here; in "
-            "the paper it does.", "The paper gives no yield stress and no hardening; they are chosen."), views.figure_12),
+           ("It runs in mode TIPS: it cracks where it has hardened to its strength. In the paper what yields takes damage, as in "
+            "mode DAMAGE here.", "The paper gives no yield stress and no hardening; they are chosen."), views.figure_12),
     Figure(13, "A spiral cut", "A sheet is cut beforehand along an Archimedean spiral, exactly.", ("fig13",),
            ("How the sheet is held and pulled is chosen: the rim is held and the middle is pulled up.",), views.figure_13),
     Figure(14, "Two bunnies on a cloth",
            "Two rigid bunnies fall on a cloth that is held along its four edges. (a) Even cloth: branching and merging cracks. "
            "(b) With a weakened region the cracks start there, and go on beyond it.", ("fig14_even", "fig14_weakened"),
            ("The bunnies are nine ellipsoids each, joined. One surface of that shape has more convex parts than an engine takes.",
-            "The shape of the weakened region is chosen. The cloth has no fibres (type III): shells with fibres do not "
-            "break here.",
+            "The shape of the weakened region is chosen. The cloth has no fibres (type III).",
             "In places cracks leave rubble, where the paper shows clean lines: the cloth is fully damaged over several elements "
             "at once, and all of them are cut."), views.figure_14),
     Figure(15, "A garment, torn",

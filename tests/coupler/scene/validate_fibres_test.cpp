@@ -96,17 +96,21 @@ TEST(FibreScene, RefusesFieldsThatAreMissingOrOutOfRange) {
   expect_refusal(fibre_scene("friction: 0.3", "grid_spacing_m: -1"), f + ".grid_spacing_m", {"must be positive"});
 }
 
+TEST(FibreScene, MayBreakAndBeCut) {
+  EXPECT_EQ(
+      refusal(fibre_scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 strength: 5e7 fracture_energy: 8 }")).kind,
+      "accepted");
+  EXPECT_EQ(refusal(fibre_scene(kFibres, kFibres + " cuts { points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.4 } }")).kind,
+            "accepted");
+}
+
 TEST(FibreScene, RefusesFieldsThatExcludeFibres) {
   const std::string f = "shells[0].fibres";
   expect_refusal(fibre_scene("", "", "", ""), f,
                  {"have nothing to touch", "contacts { first: \"pane\" second: \"pane\" }"});
   EXPECT_EQ(refusal(fibre_scene("", "", "contacts { first: \"pane\" second: \"pane\" }\n", "")).kind, "accepted");
-  expect_refusal(fibre_scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 strength: 5e7 fracture_energy: 8 }"), f,
-                 {"has a strength"});
   expect_refusal(fibre_scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 stiffness_damping_s: 1e-7 }"), f,
                  {"take mass_damping_per_s"});
-  expect_refusal(fibre_scene(kFibres, kFibres + " cuts { points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.4 } }"), f,
-                 {"has cuts"});
   expect_refusal(fibre_scene(kFibres, kFibres + " equilibrium {}"), "shells[0].equilibrium", {"has fibres"});
   expect_refusal(fibre_scene("", "", "seams {}\n"), "seams", {"have fibres"});
   expect_refusal(fibre_scene("", "", "transfer { kind: APIC }\n"), "transfer", {"cannot go with fibres"});
