@@ -1,4 +1,4 @@
-"""Equilibria that are hard to find, with the real programs: small loads, round-off, snaps, places on edges."""
+"""Equilibria that are hard to find, with the real programs: small loads, snaps, places on edges."""
 from __future__ import annotations
 
 import csv
@@ -93,15 +93,6 @@ class Equilibria(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertAlmostEqual(self.probe("a_z [m]") / heights[0.008], 1.0, delta=0.02)  # coarse, of other elements
 
-    def test_round_off_of_the_load_is_no_failure(self) -> None:
-        """An eighth of a pinched cylinder on diaphragms under a load that leaves little but round-off."""
-        text = HEAD + shell("cyl", f"cylinder {{ radius_m: 300 length_m: 300 angle_deg: 90 elements_u: 32 elements_v: 32 {TURNED} }}",
-                            MIRRORS + "  supports { edges: V_MAX kind: SIMPLY_SUPPORTED axes: X axes: Y }\n"
-                            "  loads { point { at { u: 0 v: 0 } force { x: -0.25e-6 } } }\n", 3.0, 3e6, 0.3)
-        done = self.sunder(text + 'output { probes { name: "load" shell: "cyl" at { u: 0 v: 0 } } }\n')
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertAlmostEqual(self.probe("load_x [m]") / -1.8248e-8, 1.0, delta=0.1)  # 164.24 P/(E h); 32 elements
-
     def test_a_snap_is_found_or_told(self) -> None:
         """An eighth of an open cylinder that is pulled out by a force near the one at which it snaps."""
         arc = f"cylinder {{ radius_m: 4.953 length_m: 5.175 angle_deg: 90 elements_u: 12 elements_v: 12 degree: 3 {TURNED} }}"
@@ -132,7 +123,7 @@ class Equilibria(unittest.TestCase):
             "  supports { edges: U_MIN kind: CLAMPED }\n", 0.01, 1.2e9, 0.0).replace("density: 1 ", "density: 1000 ")
         done = self.sunder(text)
         self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertRegex(done.stderr, r"window_s is 1e-06 s, shorter than the stable step of the shell.*; give at least 4\.\d+e-05 s")
+        self.assertRegex(done.stderr, r"window_s: is 1e-06 s, shorter than the stable step of the shell.*; give at least 4\.\d+e-05 s")
         self.assertNotIn("multiple", done.stderr)
 
 
