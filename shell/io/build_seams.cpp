@@ -288,19 +288,19 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
 }
 
 std::vector<std::vector<int>> joined_groups(const RunSetup& setup) {
-  std::vector<int> leader(setup.shells.size());
-  std::iota(leader.begin(), leader.end(), 0);
+  std::vector<int> lowest(setup.shells.size());
+  std::iota(lowest.begin(), lowest.end(), 0);
   const auto of = [&](int k) {
-    while (leader[k] != k) k = leader[k];
+    while (lowest[k] != k) k = lowest[k];
     return k;
   };
   for (const Seam& seam : setup.stitches.seams) {
     const int a = of(seam.first), b = of(seam.second);
-    leader[std::max(a, b)] = std::min(a, b);
+    lowest[std::max(a, b)] = std::min(a, b);
   }
   std::vector<std::vector<int>> out;
-  std::vector<int> place(leader.size(), -1);
-  for (int k = 0; k < static_cast<int>(leader.size()); ++k) {
+  std::vector<int> place(lowest.size(), -1);
+  for (int k = 0; k < static_cast<int>(lowest.size()); ++k) {
     int& at = place[of(k)];
     if (at < 0) at = static_cast<int>(out.size()), out.emplace_back();
     out[at].push_back(k);

@@ -1,21 +1,15 @@
-"""Equilibria that are hard to find, with the real programs: small loads, snaps, places on edges."""
+"""Equilibria that are hard to find, with the real programs: snaps, places on edges, windows that are too short."""
 from __future__ import annotations
 
-import csv
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-import numpy as np
-
 TOP = Path(__file__).resolve().parents[2]
 BUILD = os.environ["SUNDER_BUILD_DIR"]
-sys.path.insert(0, str(TOP / "scenes"))
-from splines import basis, open_knots  # noqa: E402
 
 HEAD = """name: "still"
 gravity {}
@@ -38,24 +32,6 @@ shells {{
 """
 
 
-def slit_ring_patch(spans: int) -> str:
-    """A slit ring of radii 6 and 10 as one smooth patch, whose circle is a quadratic spline through exact points."""
-    knots = open_knots(spans)
-    at = 0.5 * (knots[1:-2] + knots[2:-1])  # Greville points
-    angle = 2.0 * np.pi * at / spans
-    points = np.linalg.solve(basis(knots, at)[0], np.stack([np.cos(angle), np.sin(angle)], axis=1))
-    rows = "".join(f"    control_points {{ x: {r * x!r} y: {r * y!r} }}\n" for r in (6.0, 8.0, 10.0) for x, y in points.tolist())
-    listed = " ".join(f"knots_u: {k / spans!r}" for k in knots.tolist())
-    return f"nurbs {{ degree: 2\n    {listed}\n    knots_v: [0, 0, 0, 1, 1, 1] elements_u: {spans} elements_v: 6\n{rows}  }}"
-
-
-def slit_ring(patch: str, edge: str, load: float) -> str:
-    """A slit ring that is clamped at one side of its slit and lifted at the other (Sze, Liu, Lo 2004, 3.3)."""
-    held = "U_MAX" if edge == "U_MIN" else "U_MIN"
-    return HEAD + shell("ring", patch, f"  supports {{ edges: {held} kind: CLAMPED }}\n"
-                        f"  loads {{ edge_force {{ edge: {edge} force_per_length {{ z: {load} }} }} }}\n", 0.03, 21e6, 0.0)
-
-
 class Equilibria(unittest.TestCase):
     def setUp(self) -> None:
         temporary = tempfile.TemporaryDirectory()
@@ -72,26 +48,6 @@ class Equilibria(unittest.TestCase):
     def found(self) -> dict[str, object]:
         told: list[dict[str, object]] = json.loads((self.folder / "out" / "run.json").read_text())["equilibrium"]
         return told[-1]
-
-    def probe(self, column: str) -> float:
-        with (self.folder / "out" / "probes.csv").open(newline="") as source:
-            rows = list(csv.reader(source))
-        return float(rows[-1][rows[0].index(column)])
-
-    def test_small_loads_on_a_slit_ring_and_the_ring_of_sectors(self) -> None:
-        one = slit_ring_patch(30)
-        sectors = "annulus { inner_m: 6 outer_m: 10 element_m: 1 slit: true }"
-        probe = 'output { probes { name: "a" shell: "NAME" at { u: 0 v: AT } } }\n'
-        heights = {}
-        for load in (0.0008, 0.008, 0.04):
-            done = self.sunder(slit_ring(one, "U_MIN", load) + probe.replace("NAME", "ring").replace("AT", "0"))
-            self.assertEqual(done.returncode, 0, done.stderr)
-            heights[load] = self.probe("a_z [m]")  # at the inner rim
-        self.assertLess(heights[0.0008], heights[0.008])
-        self.assertLess(heights[0.008], heights[0.04])
-        done = self.sunder(slit_ring(sectors, "U_MIN", 0.008) + probe.replace("NAME", "ring.1").replace("AT", "4"))
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertAlmostEqual(self.probe("a_z [m]") / heights[0.008], 1.0, delta=0.02)  # coarse, of other elements
 
     def test_a_snap_is_found_or_told(self) -> None:
         """An eighth of an open cylinder that is pulled out by a force near the one at which it snaps."""
