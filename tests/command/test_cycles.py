@@ -87,14 +87,14 @@ class Drawn(OfARun):
             return np.asarray(image.convert("RGB"), float) / 255.0
 
     def test_things_stand_where_the_rasteriser_has_them(self) -> None:
-        (self.folder / SCENE_COPY).write_text('materials { name: "stuff" density: 1 }\n'
-                                              'shells { name: "pane" material: "stuff" thickness_m: 1e-3 }')
+        (self.folder / SCENE_COPY).write_text('materials { name: "clay" density: 1 }\n'
+                                              'shells { name: "pane" material: "clay" thickness_m: 1e-3 }')
         for view in ("30,40", "top"):
             masks = []
             for arguments in ((), ("--cycles", "16")):
                 picture = self.still("--view", view, *arguments)
-                blue = picture[..., 2] - picture[..., 0]  # the pane is the only thing with a colour
-                smooth = sum(np.roll(blue, (a, b), (0, 1)) for a in (-1, 0, 1) for b in (-1, 0, 1)) / 9.0
+                warm = picture[..., 0] - picture[..., 2]  # the pane is the only thing with a colour
+                smooth = sum(np.roll(warm, (a, b), (0, 1)) for a in (-1, 0, 1) for b in (-1, 0, 1)) / 9.0
                 masks.append(smooth > np.percentile(smooth, (3, 97)).mean())
             both, either = (masks[0] & masks[1]).sum(), (masks[0] | masks[1]).sum()
             self.assertGreater(both, 800)
