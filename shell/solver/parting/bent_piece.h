@@ -43,4 +43,12 @@ void add_flat_parts(const ShellModel& model, const PieceSurface& surface, const 
 std::vector<Vec2> draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece, double thickness,
                               DrawnMesh& drawn);
 
+/// Thickens a piece at its rest shape, turned by `to_body` about `centre` [m]. Appends convex parts for collisions to
+/// `shape` and a mesh to `drawn`. A curved piece is made of flat parts and drawn with inner vertices.
+void thicken(const ShellModel& model, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
+             ConvexShape& shape, DrawnMesh& drawn);
+/// Notes places at rest and parameters of points that were drawn last, from their parameters [m] on the patch.
+/// Points come in pairs, the lower face first.
+void add_rest(const ShellModel& model, const std::vector<Vec2>& parameters, DrawnMesh& drawn);
+
 }  // namespace sunder::shell

@@ -196,59 +196,6 @@ void fit_pose(const ShellModel& m, const ShellState& s, const std::vector<int>& 
   rotation = svd.matrixU() * sign * svd.matrixV().transpose();
 }
 
-void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
-             ConvexShape& shape, DrawnMesh& drawn) {
-  const PieceSurface rest{[&](const Vec2& p) -> Faces {
-                            const SurfacePoint q = m.patch.evaluate(p);
-                            const Vec3 unit = q.u.cross(q.v).normalized(), n = 0.5 * m.thickness * unit;
-                            return {to_body * (q.x - n - centre), to_body * (q.x + n - centre), to_body * unit};
-                          },
-                          std::numeric_limits<double>::infinity()};
-  const Outline outline = outline_of(t, piece);
-  // As `rest.at`, but for round-off: bodies of flat panes keep the bits that they have always had.
-  const auto faces = [&](const Vec2& p, Vec3& low, Vec3& high) {
-    const SurfacePoint q = m.patch.evaluate(p);
-    const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
-    low = to_body * (q.x - n - centre), high = to_body * (q.x + n - centre);
-  };
-  const std::size_t before = shape.parts.size();
-  if (is_bent(rest, t, piece, kBentPiece * m.thickness)) add_flat_parts(m, rest, outline, shape);
-  if (shape.parts.size() == before)  // flat
-    for (const auto& polygon : convex_parts(outline, kPartTolerance * m.spacing * m.spacing)) {
-      auto& corners = shape.parts.emplace_back();
-      for (const Vec2& p : polygon) {
-        corners.emplace_back(), corners.emplace_back();
-        faces(p, corners[corners.size() - 2], corners.back());
-      }
-    }
-  if (is_bent(rest, t, piece, kDrawnFlat * m.thickness))
-    return add_rest(m, draw_prisms(rest, t, piece, m.thickness, drawn), drawn);
-  const int first = static_cast<int>(drawn.points.size());
-  for (const Vec2& p : outline.vertices) {
-    drawn.points.emplace_back(), drawn.points.emplace_back();
-    faces(p, drawn.points[drawn.points.size() - 2], drawn.points.back());
-  }
-  const auto low = [&](int v) { return first + 2 * v; };
-  for (const auto& c : outline.triangles) {
-    drawn.triangles.push_back({low(c[0]) + 1, low(c[1]) + 1, low(c[2]) + 1});
-    drawn.triangles.push_back({low(c[0]), low(c[2]), low(c[1])});
-  }
-  for (const auto& [a, b] : outline.border) {
-    drawn.triangles.push_back({low(a), low(b), low(b) + 1});
-    drawn.triangles.push_back({low(a), low(b) + 1, low(a) + 1});
-  }
-  add_rest(m, outline.vertices, drawn);
-}
-
-void add_rest(const ShellModel& m, const std::vector<Vec2>& parameters, DrawnMesh& drawn) {
-  for (const Vec2& p : parameters) {
-    const SurfacePoint q = m.patch.evaluate(p);
-    const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
-    drawn.rest.push_back(q.x - n), drawn.rest.push_back(q.x + n);
-    drawn.uv.insert(drawn.uv.end(), 2, unit_parameter(m, p));
-  }
-}
-
 void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   const RowTables& t = m.tables;
   const std::size_t stride = t.component_stride;

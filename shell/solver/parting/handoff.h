@@ -53,13 +53,6 @@ Handoff joined(const std::vector<Handoff>& parts);
 /// by mass.
 void fit_pose(const ShellModel& model, const ShellState& state, const std::vector<int>& slots, Mat3& rotation,
               Vec3& from, Vec3& to);
-/// Thickens a piece at its rest shape, turned by `to_body` about `centre` [m]. Appends convex parts for collisions to
-/// `shape` and a mesh to `drawn`. A curved piece is made of flat parts and drawn with inner vertices.
-void thicken(const ShellModel& model, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
-             ConvexShape& shape, DrawnMesh& drawn);
-/// Notes places at rest and parameters of points that were drawn last, from their parameters [m] on the patch.
-/// Points come in pairs, the lower face first.
-void add_rest(const ShellModel& model, const std::vector<Vec2>& parameters, DrawnMesh& drawn);
 /// Removes a piece: nothing reads or moves its control points and Gauss points any more.
 void remove_piece(const ShellModel& model, ShellState& state, const Piece& piece);
 
