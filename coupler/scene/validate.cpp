@@ -211,6 +211,12 @@ void interlayer(const Scene& s, const std::string& f, const proto::Shell& shell)
   positive(s, f + ".interlayer.thickness_m", core.has_thickness_m(), core.thickness_m(), "m");
   s.check(core.thickness_m() < shell.thickness_m(), f + ".interlayer.thickness_m", "is {} m, and the whole shell {} m",
           core.thickness_m(), shell.thickness_m());
+  constexpr int kMostOfPly = 8;  // two plies have at most the layers of one shell
+  bool remembers = s.message.fracture().mode() == proto::Fracture::DAMAGE;
+  for (const auto& m : s.message.materials())
+    remembers = remembers || (m.name() == shell.material() && m.has_yield_stress());
+  s.check(!remembers || shell.layers() <= kMostOfPly, f + ".layers",
+          "is {} in each of two plies that yield or are damaged; at most {}", shell.layers(), kMostOfPly);
   s.check(shell.bending() == proto::Shell::LAYERED && !shell.has_surface_compression(), f + ".interlayer",
           "excludes bending LINEAR and surface_compression; leave one of them out");
 }
@@ -234,7 +240,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
             "needs layers: 3 or more, which see the parabola of stress");
   }
   s.check(shell.patch_case() != proto::Shell::PATCH_NOT_SET, f,
-          "has no patch; give plate, cylinder, sphere, cone, nurbs, cad or mesh {{...}}");
+          "has no patch; give plate, cylinder, sphere, cone, annulus, nurbs, cad or mesh {{...}}");
   const int degree = patch_degree(shell), gauss = shell.has_gauss_points() ? shell.gauss_points() : degree;
   s.check(degree == 2 || degree == 3, fmt::format("{}.{}.degree", f, patch_name(shell)),
           "is {}; 2 (quadratic) or 3 (cubic)", degree);

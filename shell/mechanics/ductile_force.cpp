@@ -45,7 +45,7 @@ void book_ductile_rows(const LayerMemory& memory, double damage, double flow) {
 }
 
 void book_ductile_points(const LayerMemory& memory, double damage, double flow) {
-  memory.plastic->dissipated += flow;
+  memory.plastic->dissipated += flow, memory.plastic->sums = nullptr;
   with_ductile(memory, [&]<class Law>(Law) { Law::book_points(memory, damage); });
 }
 

@@ -114,7 +114,8 @@ ModeSet modes_of_group(Simulation& simulation, const std::vector<int>& group, in
     joined.gravity.push_back(simulation.gravity_on(shells[k]));
   }
   look();
-  return vibration_modes(joined, count, simulation.model.shells_at_once);
+  const bool at_equilibrium = shells[group[0]].setup->equilibrium > 0.0;
+  return vibration_modes(joined, count, simulation.model.shells_at_once, at_equilibrium);
 }
 
 }  // namespace
@@ -130,7 +131,8 @@ void write_modes(RunSetup setup, const ModesOptions& options, const std::functio
   Json shells = Json::array();
   std::string notes;
   for (const std::vector<int>& group : joined_groups(setup)) {
-    const ShellModel& m = state.shells[group[0]].model();
+    const bool turning = std::any_of(group.begin(), group.end(),
+                                     [&](int k) { return state.shells[k].model().loads.rotate_with_surface(); });
     const ModeSet set = modes_of_group(simulation, group, options.count, look);
     for (const Mode& mode : set.modes) found.push_back({group, mode});
     const std::string name = name_of(setup, group);
@@ -143,7 +145,7 @@ void write_modes(RunSetup setup, const ModesOptions& options, const std::functio
     if (set.rigid > 0) notes += fmt::format("shell '{}' has {} rigid motions, left out\n", name, set.rigid);
     if (set.unstable > 0)
       notes += fmt::format("shell '{}' is not stable: {} modes grow by themselves\n", name, set.unstable);
-    if (set.asymmetry > kFollowing && m.loads.rotate_with_surface())
+    if (set.asymmetry > kFollowing && turning)
       notes += fmt::format(
           "loads that turn with shell '{}' make its stiffness unsymmetric by {:.2g}: the symmetric part "
           "is taken\n",

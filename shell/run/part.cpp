@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
 #include "shell/solver/cracking/criteria.h"
 #include "shell/solver/stepping/stable_step.h"
@@ -95,8 +96,9 @@ void ShellPart::measure_step(std::int64_t window, int threads) {
     for (const GatheredPoint& g : state->cracked.gathered)
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
   if (changed.empty() || window < next_measure) return;
-  smallest_step =
-      std::min(smallest_step, stable_step(m, *state, kLocalIterations, threads, setup->can_crack(), changed));
+  double local = stable_step(m, *state, kLocalIterations, threads, setup->can_crack(), changed);
+  if (m.has_fibres()) local = stable_step_with_fibres(local, {&m});
+  smallest_step = std::min(smallest_step, local);
   changed.clear();
   next_measure = window + kStepWindows;
 }

@@ -56,7 +56,7 @@ TEST(Laminate, ForcesAreTheGradientBesideACut) {
   insert_polyline(m, s, {{0.1, 0.2}, {0.8, 0.7}}, 0.0);
   disturb(s, m, 1e-3);
   expect_gradient(m, s);
-  const Balance b = balance(m, s);
+  const MomentumBalance b = balance(m, s);
   EXPECT_LT(b.force.norm(), 1e-12 * b.scale);
 }
 

@@ -104,12 +104,12 @@ inline void expect_gradient(const ShellModel& m, ShellState& s) {
     }
 }
 
-struct Balance {
+struct MomentumBalance {
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  // sums over all control points [N], [N m]
   double scale = 0.0;                                // sum of |f| [N]
 };
-inline Balance balance(const ShellModel& m, const ShellState& s) {
-  Balance b;
+inline MomentumBalance balance(const ShellModel& m, const ShellState& s) {
+  MomentumBalance b;
   for (int i = 0; i < m.control_points(); ++i) {
     const Vec3 f = s.at(s.motion.force, m.tables.slot(i));
     b.force += f, b.torque += s.position(m.tables.slot(i)).cross(f), b.scale += f.norm();
@@ -122,7 +122,7 @@ inline void expect_balance_beside_a_cut(const ShellModel& m, const Vec2& from, c
   insert_polyline(m, s, {from, to}, 0.0);
   disturb(s, m, 1e-3);
   compute_forces(m, s, false, 0.0, 2);
-  const Balance b = balance(m, s);
+  const MomentumBalance b = balance(m, s);
   EXPECT_LT(b.force.norm(), 1e-12 * b.scale);  // round-off of sums
   EXPECT_LT(b.torque.norm(), 1e-11 * b.scale);
 }

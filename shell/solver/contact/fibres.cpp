@@ -47,10 +47,16 @@ void Fibres::add_samples(const ShellRef& shell, const Tile& tile) {
       for (int side = 0; side < 2; ++side) relax(m, s, {tile.shell, block, lane}, side, Vec3::UnitZ());
       return;
     }
+    const std::vector<GatheredFunction> functions =
+        own ? own->functions : patch_functions(m.patch, at, m.tables.stride);
+    if (functions.empty() || s.motion.detached[functions[0].slot]) {  // within a piece that was handed off
+      for (int side = 0; side < 2; ++side) relax(m, s, {tile.shell, block, lane}, side, Vec3::UnitZ());
+      return;
+    }
     LayerSample q;
     q.area = area, q.thickness = m.thickness, q.mass = m.material.density * m.thickness * area, q.shell = tile.shell;
     q.rest = Vec3::Zero();
-    for (const GatheredFunction& f : own ? own->functions : patch_functions(m.patch, at, m.tables.stride)) {
+    for (const GatheredFunction& f : functions) {
       functions_.push_back(f);
       q.rest += f.n[0] * s.at(m.rest, f.slot);
     }
@@ -188,6 +194,7 @@ std::size_t Fibres::changes(const std::vector<ShellRef>& shells) {
   std::size_t sum = 0;
   for (const ShellRef& shell : shells) {
     sum += shell.state->cracks.graph.edges().size();
+    for (const auto gone : shell.state->motion.detached) sum += gone ? 1 : 0;
     for (const GatheredPoint& g : shell.state->cracked.gathered)
       sum += (g.kind == PointKind::kDead ? 1 : 0) + (g.handed_off ? 1 : 0);
   }

@@ -268,7 +268,7 @@ ModeSet vibration_modes(const ShellModel& m, ShellState& s, int count, const std
   return modes_of(joined, free, tangent_stiffness(m, s, free.own(0), Differences::kFourthOrder, forces), {}, count);
 }
 
-ModeSet vibration_modes(const JoinedShells& joined, int count, int threads) {
+ModeSet vibration_modes(const JoinedShells& joined, int count, int threads, bool at_equilibrium) {
   for (const ShellRef& r : joined.shells) check_whole(*r.model, *r.state);
   Balance balance(joined, threads);
   const JoinedDegrees& free = balance.degrees();
@@ -276,7 +276,8 @@ ModeSet vibration_modes(const JoinedShells& joined, int count, int threads) {
   std::vector<double> summed;
   balance.residual(summed);  // for the multipliers
   Matrix stiffness = joined_stiffness(balance, Differences::kFourthOrder);
-  stiffness += free.curvature(balance.x, balance.multipliers());
+  // only forces in balance stiffen a crease
+  if (at_equilibrium) stiffness += free.curvature(balance.x, balance.multipliers());
   return modes_of(joined, free, std::move(stiffness), free.gradients(balance.x), count);
 }
 

@@ -36,6 +36,6 @@ ModeSet vibration_modes(const ShellModel& model, ShellState& state, int count, c
 
 /// The same for shells that seams join, which vibrate together. Dependent control points follow. A stiffness keeps
 /// constraints of seams, far above those of low modes.
-ModeSet vibration_modes(const JoinedShells& joined, int count, int threads);
+ModeSet vibration_modes(const JoinedShells& joined, int count, int threads, bool at_equilibrium = true);
 
 }  // namespace sunder::shell

@@ -47,7 +47,7 @@ TEST(Annulus, WithoutTheEdgeIsRefused) {
 
 TEST(Annulus, WithWhatIsForOnePatchIsRefused) {
   expect_refusal(ring(kRing, "supports { corners: U_MIN_V_MIN kind: SIMPLY_SUPPORTED }"), "shells[0].supports[0]",
-                 {"a ring is several", "boxes"});
+                 {"a ring may be several", "boxes"});
   expect_refusal(ring(kRing, "loads { point { at { u: 0 v: 0 } force { z: 1 } } }"), "shells[0].loads[0].point",
-                 {"a ring is several", "edge_force or pressure"});
+                 {"a ring may be several", "edge_force or pressure"});
 }

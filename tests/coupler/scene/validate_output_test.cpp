@@ -49,14 +49,14 @@ TEST(OutputFields, AreOfTwoShellsToo) {
   const auto probe = [&](const std::string& more) {
     return second + "output { thick_shells: true probes { name: \"a\" " + more + " } }\n";
   };
-  const auto setup = built(scene("", probe("shell: \"lid\" other_shell: \"pane\"")));
+  const auto setup = built(strong("", probe("shell: \"lid\" other_shell: \"pane\"")));
   EXPECT_TRUE(setup.thick_shells);
   ASSERT_EQ(setup.probes.size(), 1u);
   EXPECT_TRUE(setup.probes[0].is_pair());
   EXPECT_EQ(setup.probes[0].shell, 1);
   EXPECT_EQ(setup.probes[0].other, 0);
   const auto refused = [&](const std::string& more, const std::string& says) {
-    expect_refusal(scene("", probe(more)), "output.probes[0].other_shell", {says});
+    expect_refusal(strong("", probe(more)), "output.probes[0].other_shell", {says});
   };
   refused("shell: \"pane\" body: \"ball\" other_shell: \"lid\"", "a body is given; leave one of them out");
   refused("other_shell: \"lid\"", "shell is missing; name the first one");

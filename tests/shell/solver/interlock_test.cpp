@@ -140,7 +140,7 @@ TEST(Interlock, BalancesForceAndTorque) {
   disturb(s, m, 1e-3);
   forces_of_faces(m, s);
   ASSERT_GT(interlock_energy(s), 0.0);
-  const Balance b = balance(m, s);
+  const MomentumBalance b = balance(m, s);
   EXPECT_LT(b.force.norm(), 1e-12 * b.scale);
   EXPECT_LT(b.torque.norm(), 1e-11 * b.scale);
 }
@@ -371,7 +371,7 @@ TEST(Interlock, FacesBetweenCracksThatAreCloseBear) {
   ASSERT_GT(s.cracks.interlock_energy, 0.0);
   expect_gradient(m, s);
   forces_of_faces(m, s);
-  const Balance b = balance(m, s);
+  const MomentumBalance b = balance(m, s);
   EXPECT_LT(b.force.norm(), 1e-12 * b.scale);
   EXPECT_LT(b.torque.norm(), 1e-11 * b.scale);
 }

@@ -142,9 +142,9 @@ TEST(ShellContact, MomentumStaysAndEnergyIsBooked) {
 // nothing.
 TEST(ShellContact, ImpulsesOfPairsAreTheChangeOfMomentum) {
   const Quat askew(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
-  Rig rig(setup_of({{sheet(0.5, 12, Vec3::Zero(), 0.004)},
-                    {sheet(0.4, 10, Vec3(0.02, 0.01, 0.008), 0.004, askew), Vec3(1, 0, -5)},
-                    {sheet(0.3, 8, Vec3(0.1, 0.05, 0.016), 0.004), Vec3(0, 0, -9)}}));
+  Rig rig(setup_of({{rubber_sheet(0.5, 12, Vec3::Zero(), 0.004)},
+                    {rubber_sheet(0.4, 10, Vec3(0.02, 0.01, 0.008), 0.004, askew), Vec3(1, 0, -5)},
+                    {rubber_sheet(0.3, 8, Vec3(0.1, 0.05, 0.016), 0.004), Vec3(0, 0, -9)}}));
   rig.meet({0.3, 0.0});
   std::vector<double>& given = rig.now().shell_impulse;
   given.assign(27, 0.0);

@@ -15,7 +15,7 @@ using namespace sunder::shell;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
 ShellMaterial elastic(double young, double poisson) {
   ShellMaterial m;
@@ -150,7 +150,7 @@ constexpr double kShare = 1e-3;  // of the roof's weight: linear theory
 
 /// A part of a quarter of the roof from share v0 to v1 of its half length.
 ShellModel roof_part(double v0, double v1, int nu, int nv) {
-  const double angle = 40.0 * kPi / 180.0;
+  const double angle = 40.0 * kHalfTurn / 180.0;
   Patch p = cylinder(25.0, 25.0 * (v1 - v0), angle, nu, nv, 3);
   p = placed(p, Vec3(0, 0, 25.0 * v0), Quat(Eigen::AngleAxisd(0.5 * angle, Vec3::UnitZ())));
   for (Vec3& x : p.control_points) x = Vec3(x.y(), x.z(), x.x());
@@ -216,7 +216,7 @@ constexpr double kColumn = 1.0, kArm = 0.6, kWide = 0.1, kThin = 0.01;
 /// A column with an arm at right angles at its top, which a crease joins; a force at the end of the arm.
 std::vector<ShellModel> bracket(double force) {
   const Patch column = placed(flat(-0.5 * kColumn, 0.5 * kColumn, -0.5 * kWide, 0.5 * kWide, 20, 2),
-                              Vec3(0, 0, 0.5 * kColumn), Quat(Eigen::AngleAxisd(-0.5 * kPi, Vec3::UnitY())));
+                              Vec3(0, 0, 0.5 * kColumn), Quat(Eigen::AngleAxisd(-0.5 * kHalfTurn, Vec3::UnitY())));
   const Patch arm = placed(flat(0, kArm, -0.5 * kWide, 0.5 * kWide, 14, 3), Vec3(0, 0, kColumn), Quat::Identity());
   Load load;
   load.kind = Load::Kind::kEdgeForce, load.edges = kUMax, load.force = Vec3(0, 0, force / kWide);
@@ -283,7 +283,7 @@ TEST(JoinedEquilibrium, OfAPlateThatTiesJoinIsNaviers) {
 }
 
 TEST(JoinedModes, OfAPlateInPiecesAreMultiplesOfPiSquared) {
-  const double unit = std::sqrt(2e11 * 1e-6 / (12.0 * (1.0 - 0.09)) / 10.0) * kPi / 2.0;  // of pi^2 [Hz]
+  const double unit = std::sqrt(2e11 * 1e-6 / (12.0 * (1.0 - 0.09)) / 10.0) * kHalfTurn / 2.0;  // of pi^2 [Hz]
   const double multiple[] = {2, 5, 5, 8};
   for (auto&& models : {plate_in(1, 1), plate_in(2, 2), tied_plate()}) {
     SCOPED_TRACE(models.back().name);
