@@ -13,8 +13,8 @@ from sunder_tools.pictures.look import Look
 from sunder_tools.pictures.materials import material_of_body, material_of_shards, material_of_shell
 from sunder_tools.pictures.meshes import load_scene
 from sunder_tools.pictures.playback import Playback
-from sunder_tools.report.appearance import (ACRYLIC, BRASS, CLOTH, GLASS, NAMED, PAINT, PLASTIC, PORCELAIN, STEEL, UNKNOWN, WOOD,
-                                            as_linear)
+from sunder_tools.report.appearance import (ACRYLIC, BRASS, CLOTH, FOAM, GLASS, ICE, IRON, LEAD, NAMED, PAINT, PLASTIC, PORCELAIN,
+                                            STEEL, UNKNOWN, WOOD, appearance_of, as_linear, unknown)
 from sunder_tools.report.scene_text import SCENE_COPY, parse_text, words_of
 
 from . import REPOSITORY
@@ -46,6 +46,15 @@ class Table(unittest.TestCase):
                 for name in (word, f"old_{word}", f"{word.capitalize()}2"):
                     found = dict(words_of(parse_text(f'materials {{ name: "{name}" density: 7800 }}'), []).appearances)[name]
                     self.assertEqual(found, look, name)
+
+    def test_short_words_count_as_whole_parts_alone(self) -> None:
+        for name, look in (("carbon_steel", STEEL), ("CarbonFibre", PLASTIC), ("painted_glass", GLASS), ("glass_fibre", PLASTIC),
+                           ("fibre_glass", PLASTIC), ("glass_wool", FOAM), ("ice", ICE), ("castIron", IRON), ("lead_foil", LEAD),
+                           ("plywood", WOOD), ("reinforcement_steel", STEEL), ("lead_glass", GLASS), ("oak2", WOOD)):
+            self.assertEqual(appearance_of(name, "", 1e3, 1e9, False, 0), look, name)
+        for name in ("absorber", "spine", "pineapple", "embark", "leading_edge", "leader", "rocket", "cloak", "device", "airfoil",
+                     "marigold", "displacement", "carbon"):
+            self.assertEqual(appearance_of(name, "", 1e3, 1e9, False, 0), unknown(0), name)
 
     def test_colours_are_colours_and_none_is_black(self) -> None:
         for colour in (*(look.colour for look, _ in NAMED), *UNKNOWN):

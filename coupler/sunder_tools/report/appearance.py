@@ -53,9 +53,13 @@ LEAD = Appearance("metal", (0.40, 0.41, 0.45), 0.50)
 TITANIUM = Appearance("metal", (0.60, 0.57, 0.54), 0.35)
 
 # The first row counts that has a word with which a part of the name begins or ends: 'painted_steel' is paint, 'WindowGlass' glass.
+# Words of WHOLE are parts of their own: 'lead_foil' is lead, 'leading_edge' is not. Of words with '_' all parts follow each other.
 NAMED: tuple[tuple[Appearance, tuple[str, ...]], ...] = (
+    (FOAM, ("glass_wool", "rock_wool", "mineral_wool")),
+    (PLASTIC, ("glass_fibre", "glass_fiber")),
+    (GLASS, ("painted_glass",)),
     (PAINT, ("paint", "lacquer", "enamel", "bodywork")),
-    (PLASTIC, ("fibreglass", "fiberglass", "carbon", "epoxy")),
+    (PLASTIC, ("fibreglass", "fiberglass", "fibre_glass", "fiber_glass", "carbon_fibre", "carbon_fiber", "epoxy")),
     (ACRYLIC, ("acrylic", "perspex", "plexiglas", "pmma", "polycarbonate")),
     (GLASS, ("glass",)),
     (PORCELAIN, ("porcelain", "china", "ceramic", "stoneware")),
@@ -70,13 +74,15 @@ NAMED: tuple[tuple[Appearance, tuple[str, ...]], ...] = (
     (LEATHER, ("leather",)),
     (CLOTH, ("cloth", "fabric", "silk", "cotton", "linen", "wool", "denim", "canvas", "textile")),
     (ALUMINIUM, ("alumin", "tinplate", "chrome", "silver")),
-    (COPPER, ("copper",)), (BRASS, ("brass",)), (BRONZE, ("bronze",)), (GOLD, ("gold",)), (LEAD, ("lead",)),
+    (COPPER, ("copper",)), (BRASS, ("brass",)), (BRONZE, ("bronze",)), (GOLD, ("gold", "golden")), (LEAD, ("lead",)),
     (TITANIUM, ("titanium",)), (IRON, ("iron",)), (STEEL, ("steel", "metal")),
     (PLASTIC, ("plastic", "polymer", "nylon", "abs", "pvc")),
     (FILM, ("film", "foil", "membrane")),
     (STONE, ("stone", "rock", "granite", "slate", "basalt")),
-    (SNOW, ("snow",)), (FLESH, ("skin", "flesh", "tissue")),
+    (ICE, ("ice",)), (SNOW, ("snow",)), (FLESH, ("skin", "flesh", "tissue")),
 )
+WHOLE = frozenset(("abs", "bark", "cement", "china", "clay", "cork", "film", "foil", "gold", "ice", "iron", "lead", "oak", "pine",
+                   "pmma", "pvc", "rock", "skin", "slate"))
 PRESETS = {"SODA_LIME_GLASS": GLASS, "ACRYLIC": ACRYLIC}
 # Of what nothing is known about: muted and of similar lightness, so that shading shows the shape.
 UNKNOWN: tuple[Colour, ...] = (
@@ -87,9 +93,8 @@ UNKNOWN: tuple[Colour, ...] = (
 def appearance_of(name: str, preset: str, density: float, youngs_modulus: float, yields: bool, number: int) -> Appearance:
     """Returns the look of a material with this name and preset ('' without), density [kg/m^3], Young's modulus [Pa] (NaN where not
     given), with or without a yield stress, and its number in the scene."""
-    parts = re.findall("[a-z]+", name.lower())
-    found = next((look for look, words in NAMED if any(part.startswith(words) or part.endswith(words) for part in parts)),
-                 PRESETS.get(preset))
+    parts = re.findall("[a-z]+", re.sub("(?<=[a-z])(?=[A-Z])", "_", name).lower())
+    found = next((look for look, words in NAMED if any(_says(parts, word) for word in words)), PRESETS.get(preset))
     if found is not None:
         return found
     if yields or density >= LEAST_METAL:
@@ -97,6 +102,15 @@ def appearance_of(name: str, preset: str, density: float, youngs_modulus: float,
     if youngs_modulus <= MOST_CLOTH:
         return CLOTH
     return unknown(number)
+
+
+def _says(parts: list[str], word: str) -> bool:
+    """Tells whether a word of NAMED is in a name with these parts."""
+    if word in WHOLE:
+        return word in parts
+    if "_" in word:
+        return f"_{word}_" in f"_{'_'.join(parts)}_"
+    return any(part.startswith(word) or part.endswith(word) for part in parts)
 
 
 def unknown(number: int) -> Appearance:
