@@ -42,7 +42,7 @@ def main() -> None:
     sunder_run.load(job["folder"], job["fps"], job["speed"])
     for material in bpy.data.materials:
         _dress(material, job["looks"])
-    _hide_floors(job["ground"])
+    _hide_floors(job["ground"], job["static"])
     _ground(job["ground"])
     _light(job["light"])
     _camera(job["camera"])
@@ -122,11 +122,11 @@ def _let_light_through(tree: Any, shader: Any) -> None:
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
 
 
-def _hide_floors(ground: dict[str, Any]) -> None:
-    """Hides meshes that lie flat on the ground's height: the ground takes their place. Two planes in one place are black where
-    each hides the other from the light."""
+def _hide_floors(ground: dict[str, Any], static: list[str]) -> None:
+    """Hides static bodies that lie flat on the ground's height: the ground takes their place. Two planes in one place are black
+    where each hides the other from the light."""
     for thing in bpy.data.objects:
-        if thing.type != "MESH" or thing.parent is None:
+        if thing.type != "MESH" or thing.parent is None or thing.parent.name not in static:
             continue
         box = [thing.matrix_world @ Vector(corner) for corner in thing.bound_box]
         flat = all(abs(corner.z - ground["z"]) < LEVEL * ground["size"] for corner in box)

@@ -39,6 +39,7 @@ class Jobs(OfARun):
                              Ground(-0.5, np.array([1.0, 2.0]), 3.0), (320, 240))
         self.assertEqual((told["frames"], told["samples"], told["fps"], told["speed"], told["threads"]), ([2, 4], 7, 25.0, 0.0, 3))
         self.assertEqual(told["ground"], {"z": -0.5, "centre": [1.0, 2.0], "size": 3.0})
+        self.assertEqual(told["static"], ["body_1"])  # the floor; not the ball
         looks, view = told["looks"], told["camera"]
         assert isinstance(looks, dict) and isinstance(view, dict)
         self.assertEqual(looks, {"window": {"kind": "glass", "colour": as_linear(GLASS.colour), "roughness": 0.0},

@@ -19,7 +19,9 @@ from ..launch.install import BLENDER_PACKAGES, ensure_installed
 from ..places import BUILD_DIR_VARIABLE, COUPLER, work_folder
 from ..report.appearance import as_linear
 from ..report.scene_text import scene_words
+from .frames import BODIES, MOVING, STATIC, list_frames
 from .ground import Ground
+from .materials import name_of_body
 from .raster import NEAR_M, Camera
 from .shadows import LIGHT
 
@@ -55,15 +57,26 @@ def find_blender() -> str:
 
 def job_of(folder: Path, how: Cycles, numbers: Sequence[int], pictures: Sequence[Path], camera: Camera, ground: Ground,
            size: tuple[int, int]) -> dict[str, object]:
-    """Returns what the script is told. Lengths are in metres, the focal length is in pixels."""
+    """Returns what the script is told. Lengths are in metres, the focal length is in pixels. Raises VtpError, OSError."""
     return {
         "folder": str(folder.resolve()), "fps": how.fps, "speed": how.speed or 0.0, "samples": how.samples,
         "threads": how.threads, "frames": [int(n) for n in numbers], "pictures": [str(path) for path in pictures],
         "looks": {name: {"kind": look.kind, "colour": as_linear(look.colour), "roughness": look.roughness}
                   for name, look in scene_words(folder).appearances}, "light": LIGHT.tolist(),
+        "static": static_names(folder),
         "ground": {"z": float(ground.z), "centre": [float(c) for c in ground.centre], "size": float(ground.size)},
         "camera": {"eye": camera.eye.tolist(), "axes": np.asarray(camera.axes).tolist(), "focal": float(camera.scale[0]),
                    "size": list(size), "near": NEAR_M, "far": FAR * float(ground.size)}}
+
+
+def static_names(folder: Path) -> list[str]:
+    """Returns the names of the bodies that never move, as the add-on has them. Raises VtpError, OSError."""
+    words = scene_words(folder)
+    bodies = next((frame.read(BODIES) for frame in list_frames(folder) if BODIES in frame.files), None)
+    if bodies is None or not len(bodies.triangles):
+        return []
+    fixed = bodies.of_triangles("kind", MOVING) == STATIC
+    return [name_of_body(int(one), words) for one in np.unique(bodies.of_triangles("body", 0)[fixed])]
 
 
 def drawn(folder: Path, how: Cycles, numbers: Sequence[int], camera: Camera, ground: Ground,
