@@ -10,7 +10,7 @@ import numpy as np
 
 from sunder_tools.pictures.frames import BODIES, SHELL, Frame
 from sunder_tools.pictures.look import Look
-from sunder_tools.pictures.materials import material_of_body, material_of_shards, material_of_shell
+from sunder_tools.pictures.materials import OPACITY, material_of_body, material_of_shards, material_of_shell
 from sunder_tools.pictures.meshes import load_scene
 from sunder_tools.pictures.playback import Playback
 from sunder_tools.report.appearance import (ACRYLIC, BRASS, CLOTH, FOAM, GLASS, ICE, IRON, LEAD, NAMED, PAINT, PLASTIC, PORCELAIN,
@@ -108,6 +108,12 @@ class Pictures(unittest.TestCase):
                 self.assertEqual(len(whole), 5, "the shard too")
             clear = words_of(parse_text('materials { name: "acrylic" } shells { name: "one" material: "acrylic" }'), [])
             np.testing.assert_allclose(load_scene(frame, Look.of_words(clear)).glass.colours[0], ACRYLIC.colour)
+            of_body = words_of(parse_text("""materials { name: "glass" } materials { name: "wood" }
+                shells { name: "one" material: "wood" } bodies { name: "a" material: "glass" } bodies { name: "b" }"""), [])
+            scene = load_scene(frame, Look.of_words(of_body))
+            np.testing.assert_allclose(scene.glass.colours, [GLASS.colour])
+            self.assertEqual(len(scene.solid.triangles), 4)
+            self.assertEqual(material_of_body(1, of_body), ("glass", (*GLASS.colour, OPACITY)))
 
     def test_what_remains_of_several_shells_has_the_material_of_each(self) -> None:
         """A frozen piece of two shells: its pairs of points are as far apart as its shells are thick."""

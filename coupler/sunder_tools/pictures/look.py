@@ -25,7 +25,7 @@ class Look:
     by: str = "part"
     glass: tuple[bool, ...] = ()   # of each shell: it is seen through
     colours: tuple[Colour, ...] = ()  # of each shell, that of its material
-    bodies: tuple[Colour, ...] = ()   # of each body of the scene; empty where it names no material
+    bodies: tuple[Colour, ...] = ()   # of each body of the scene; empty where it names no material; the fourth: seen through
     part_of: dict[int, int] = field(default_factory=dict)
     fastest: float = 1.0  # [m/s], end of the colour scale of speed
     thickness: tuple[float, ...] = ()  # [m] of each shell

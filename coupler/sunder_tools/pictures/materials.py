@@ -40,7 +40,7 @@ def material_of_shards(part: int, words: Words) -> Named:
 def material_of_body(number: int, words: Words) -> Named:
     """The same for a body of the scene, by its number; steel where the scene names no material."""
     name = words.body_materials[number - 1] if 0 < number <= len(words.bodies) else ""
-    return name or "body", dict(words.appearances).get(name, STEEL).colour
+    return name or "body", colour_of(dict(words.appearances).get(name, STEEL))
 
 
 def name_of_body(number: int, words: Words) -> str:

@@ -227,9 +227,26 @@ def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.n
 
 def _body_colours(body: np.ndarray, look: Look, base: np.ndarray) -> np.ndarray:
     """Returns colours (n, 3) of bodies of the scene by their numbers (n,); `base` of those that name no material."""
-    table = np.array([base, *(colour if colour else base for colour in look.bodies)])
+    return _of_bodies(body, np.array([base, *(colour[:3] if colour else base for colour in look.bodies)]))
+
+
+def _of_bodies(body: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """Returns the row of `table` for each of the bodies (n,); the first row for those that are not of the scene."""
     number = body.astype(np.int64)
-    return table[np.where((number > 0) & (number < len(table)), number, 0)]
+    return np.asarray(table[np.where((number > 0) & (number < len(table)), number, 0)])
+
+
+def _parted(whole: Surface, clear: np.ndarray, glass: list[Surface], solid: list[Surface]) -> None:
+    """Adds the triangles `clear` (n,) of a surface to `glass`, the others to `solid`."""
+    if not clear.any():
+        solid.append(whole)
+        return
+    for where, surfaces in ((clear, glass), (~clear, solid)):
+        if where.any():
+            used, local = np.unique(whole.triangles[where], return_inverse=True)
+            surfaces.append(Surface(whole.points[used], local.reshape(-1, 3), whole.colours[where], whole.round_centre[where],
+                                    whole.is_floor[where], whole.throws[where], whole.closed[where], whole.edge[where],
+                                    whole.smooth[used]))
 
 
 def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = None) -> Scene:
@@ -279,13 +296,14 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
             normals = _surface(bodies.points, mine, colours).normals()
             outlines.append(bodies.points[edges(mine, weld(bodies.points, owner), body[broken], normals)])
         shards = bodies.points[np.unique(bodies.triangles[kind == SHARD])]
+        see_through = _of_bodies(body, np.array([False, *(len(colour) > 3 for colour in look.bodies)]))
         own = kind == MOVING
         moving = bodies.points[np.unique(bodies.triangles[own])]
         if own.any():
             shown = ramp(speed[own] / look.fastest) if look.by == "speed" else _body_colours(body[own], look, STEEL)
             ours = _surface(bodies.points, bodies.triangles[own], shown)
             ours.round_centre = _ball_centres(bodies.points, ours.triangles, body[own])
-            solid.append(ours)
+            _parted(ours, see_through[own], glass, solid)
         fixed = kind == STATIC
         if fixed.any():
             points, triangles, source = _divided(bodies.points, bodies.triangles[fixed])
@@ -295,7 +313,7 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
                 height = points[triangles][:, :, 2].mean(axis=1)
                 ours.is_floor = level & (height < height[level].min() + 1e-4)
                 floor_z = float(height[level].min())
-            solid.append(ours)
+            _parted(ours, see_through[fixed][source] & ~ours.is_floor, glass, solid)
     soft = frame.read(SOFT)
     if soft is not None and len(soft.points):
         points, triangles, particle, normals = balls(soft)

@@ -186,7 +186,7 @@ class Story:
             centre = centres.get(key, centre_of_sheet(there, triangles, before.rest[used]))
             points, normals = faces(there, triangles, before.part[used], before.half(used))
             seconds = now.time_s - before.time_s
-            if shape.velocity:  # on the way there
+            if shape.velocity and seconds > 0.0:  # on the way there; frames of one time leave it open
                 shape.drift.append((centre - self._things[key].centre[-1]) / seconds)
                 shape.velocity.append((points - centre - shape.points[-1]) / seconds)
             shape.points.append(points - centre)

@@ -91,7 +91,8 @@ def usda_text(things: list[Thing], times: np.ndarray, fps: float, speed: float |
     codes = times * fps
     rates = np.full(len(times), speed or 1.0)
     if speed is None and run_times is not None and len(times) > 1:
-        rates = np.diff(run_times) / np.diff(times)
+        seconds = np.diff(times)
+        rates = np.divide(np.diff(run_times), seconds, out=np.zeros(len(seconds)), where=seconds > 0.0)
         rates = np.append(rates, rates[-1])
     out = _Text()
     told = "a picture is a frame of the run" if speed is None else f"time runs {_number(speed)} times as fast as in the run"
@@ -174,7 +175,7 @@ def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dic
     out.add(f"int[] faceVertexIndices = {_list(_plain(corners.ravel()))}")
     out.samples("float3[] extent", at, [_tuples(np.stack([p.min(axis=0), p.max(axis=0)])) for p in shape.points])
     out.samples("point3f[] points", at, [_tuples(p) for p in shape.points])
-    if shape.velocity:
+    if len(shape.velocity) == len(shape.points):
         each = rates[shape.first:shape.first + len(shape.velocity)]
         out.samples("vector3f[] velocities", at, [_tuples(rate * v) for rate, v in zip(each, shape.velocity)])
     out.add('normal3f[] normals (interpolation = "vertex")')
