@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import unittest
+from dataclasses import replace
 
 import numpy as np
 from PIL import Image
@@ -243,6 +244,13 @@ class HandOff(Parting):
             exact = np.ones(len(rest), bool) if k in (0, 3, 4) else np.abs(rest[:, 0]) < 1e-9  # others are on the crack, or leave
             np.testing.assert_allclose(found[exact], wanted[exact], atol=1e-12)
             np.testing.assert_allclose(found, wanted, atol=(self.SPIN * self.STEP) ** 2 + 0.001)
+
+    def test_frames_of_one_time_leave_no_infinite_velocity(self) -> None:
+        frames, none = [replace(frame, time_s=0.0) for frame in self.frames], np.zeros(6)
+        for times in (none, np.arange(6.0) / 24.0):
+            text = usda_text(story_of(frames, self.words, {}), times, 24.0, None, none)
+            self.assertNotRegex(text, r"\b(inf|nan)\b")
+            self.assertIn("velocities", text)
 
     def test_usd_tells_the_same(self) -> None:
         stage = Usda(usda_text(story_of(self.frames, self.words, {}), np.arange(6.0) / 24.0, 24.0, 0.5))

@@ -75,9 +75,14 @@ class Stills(OfARun):
         pictures = [self.render(*a) for a in (("--view", "-90,20"), ("--view=-90,20",), ("--view", "270,20"))]
         np.testing.assert_array_equal(pictures[0], pictures[1])
         np.testing.assert_array_equal(pictures[0], pictures[2])
-        status, said = self.sunder("render", "--zoom", "-2")
+        for value, wrong in (("-2", "is out of range: 0.001 to 1000"), ("-inf", "is out of range: 0.001 to 1000"),
+                             ("-nan", "is not a number of 0.001 to 1000")):
+            self.assertEqual(self.sunder("render", "--zoom", value), (
+                2, f"sunder: argument --zoom: '{value}' {wrong}; see 'sunder render --help'\n"))
+        status, said = self.sunder("render", "--film", "-1")  # a switch
         self.assertEqual(status, 2)
-        self.assertRegex(said, "--zoom: '-2' is not a number")
+        self.assertNotIn("--film=-1", said)
+        self.assertNotIn("ignored explicit argument", said)
 
     def test_colours_of_a_quantity_have_a_bar_with_title_unit_and_ends(self) -> None:
         words: list[str] = []

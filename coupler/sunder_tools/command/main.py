@@ -9,7 +9,7 @@ import re
 import signal
 import sys
 from types import FrameType, ModuleType
-from typing import Sequence
+from typing import Collection, Sequence
 
 from ..errors import BAD_INPUT, DONE, INTERRUPTED, CommandError, Interrupted
 from ..version import version
@@ -17,6 +17,7 @@ from ..words import did_you_mean
 from .parser import EPILOG, Parser
 
 OF_SOURCES = ("bench", "fuzz", "hashes", "report", "test", "validate")  # in a checkout; an installation has no tests
+NEGATIVE = r"-(\.?[0-9]|(?i:inf|infinity|nan)\b)"  # how a value begins that is no option
 DESCRIPTION = """\
 Tears and shatters thin shells; the pieces fall in a rigid-body engine.
 Installs and builds what is missing by itself.
@@ -45,12 +46,13 @@ def make_parser(commands: dict[str, ModuleType]) -> tuple[Parser, dict[str, Pars
     return parser, subparsers.choices
 
 
-def with_negative_values(arguments: list[str]) -> list[str]:
-    """Joins an option and a value that begins with a minus, as --view -90,89, which argparse would take for an option."""
+def with_negative_values(arguments: list[str], valued: Collection[str]) -> list[str]:
+    """Joins an option of those that take a value and one that begins with a minus, as --view -90,89, which argparse would take
+    for an option."""
     joined: list[str] = []
     for argument in arguments:
         before = joined[-1] if joined else ""
-        if "--" not in joined and before.startswith("--") and "=" not in before and re.match(r"-\.?[0-9]", argument):
+        if "--" not in joined and before in valued and re.match(NEGATIVE, argument):
             joined[-1] = f"{before}={argument}"
         else:
             joined.append(argument)
@@ -63,7 +65,8 @@ def _dispatch(arguments: list[str], packages: Sequence[str]) -> int:
     if not arguments:
         parser.print_help(sys.stderr)
         return BAD_INPUT
-    arguments = with_negative_values(arguments)
+    if arguments[0] in of_command:
+        arguments = with_negative_values(arguments, of_command[arguments[0]].valued)
     name, rest = arguments[0], arguments[1:]
     if name.startswith("-"):
         parser.check_options(arguments)

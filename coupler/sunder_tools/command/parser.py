@@ -29,12 +29,17 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         self.options: list[str] = []
+        self.valued: set[str] = set()  # those of them that take a value
         super().__init__(*arguments, **options)
 
     def add_argument(self, *names: Any, **options: Any) -> argparse.Action:
         """As ArgumentParser has it; remembers the long options."""
-        self.options += [name for name in names if name.startswith("--")]
-        return super().add_argument(*names, **options)
+        long = [name for name in names if name.startswith("--")]
+        self.options += long
+        action = super().add_argument(*names, **options)
+        if action.nargs != 0:
+            self.valued.update(long)
+        return action
 
     def check_options(self, arguments: Sequence[str]) -> None:
         """Raises CommandError for the first long option that there is not."""
@@ -110,9 +115,11 @@ def number_within(text: str, least: float, most: float) -> float:
     try:
         value = float(text)
     except ValueError:
-        value = 0.0
-    if not least <= value <= most:
+        value = float("nan")
+    if value != value:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number of {least:g} to {most:g}")
+    if not least <= value <= most:
+        raise argparse.ArgumentTypeError(f"'{text}' is out of range: {least:g} to {most:g}")
     return value
 
 
