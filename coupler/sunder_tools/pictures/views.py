@@ -55,7 +55,8 @@ class _Shader:
         dark = shadows.on(world, normal)
         lambert = np.maximum(normal @ LIGHT32, 0.0)
         base = np.take(self.base, index, axis=0)
-        base *= ((0.64 + 0.10 * normal[:, 2] + 0.28 * lambert + 0.06 * facing) * (1.0 - dark))[:, None]
+        # what looks down has as much light from the ground as what looks up has from the sky
+        base *= ((0.64 + 0.10 * np.abs(normal[:, 2]) + 0.28 * lambert + 0.06 * facing) * (1.0 - dark))[:, None]
         base += (0.20 * (_highlight(normal, eye) ** 16) ** 5 * (1.0 - 2.0 * dark) + 0.10 * _cube(1.0 - facing))[:, None]
         return base
 
