@@ -194,7 +194,7 @@ std::size_t Fibres::changes(const std::vector<ShellRef>& shells) {
   std::size_t sum = 0;
   for (const ShellRef& shell : shells) {
     sum += shell.state->cracks.graph.edges().size();
-    for (const auto gone : shell.state->motion.detached) sum += gone ? 1 : 0;
+    for (const auto detached : shell.state->motion.detached) sum += detached ? 1 : 0;
     for (const GatheredPoint& g : shell.state->cracked.gathered)
       sum += (g.kind == PointKind::kDead ? 1 : 0) + (g.handed_off ? 1 : 0);
   }
