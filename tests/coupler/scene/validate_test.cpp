@@ -264,6 +264,8 @@ TEST(Yielding, GoesWithDamageAndWithAnInterlayer) {
                               "youngs_modulus: 1e8 poisson_ratio: 0.4 }");
   text.insert(text.find("elements_y: 16 }\n") + 17, "  interlayer { material: \"film\" thickness_m: 0.001 }\n");
   EXPECT_EQ(refusal(text).kind, "accepted");
+  text.insert(text.find("  interlayer"), "  layers: 9\n");  // of each ply
+  expect_refusal(text, "shells[0].layers", {"is 9 in each of two plies", "at most 8"});
 }
 
 TEST(Tempering, AllowsYieldingOrCrackingButNotBoth) {
