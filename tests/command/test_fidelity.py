@@ -34,6 +34,17 @@ class Presets(unittest.TestCase):
         self.assertEqual(found.was, ("30", "21", "5"))
         self.assertIn("shells[pane].plate.elements_x=15 (was 30)", found.words())
 
+    def test_patches_that_say_how_long_elements_are_have_longer_ones(self) -> None:
+        rings = """shells { name: "ring" annulus { inner_m: 0.1 outer_m: 0.3 element_m: 0.02 } }
+            shells { name: "face" cad { path: "f.step" element_m: 0.05 elements_u: 4 } }
+            shells { name: "hare" mesh { path: "hare.ply" element_m: 0.004 } }"""
+        self.assertEqual(self.of(Preset(0.5), rings).settings, (
+            "shells[ring].annulus.element_m=0.04", "shells[face].cad.elements_u=2", "shells[face].cad.element_m=0.1",
+            "shells[hare].mesh.element_m=0.008"))
+        finer = self.of(PRESETS["reference"], rings, ["shells[0].annulus.element_m=0.01"])
+        self.assertEqual(finer.kept, ("shells[ring].annulus.element_m",))
+        self.assertIn("shells[hare].mesh.element_m=0.00282843", finer.settings)
+
     def test_windows_too_and_the_longest_one_stays_a_whole_number_of_them(self) -> None:
         found = self.of(Preset(window=4.0))
         self.assertEqual(found.settings, ("window_s=0.00016", "settle_window_s=0.00016"))  # 0.75 of one

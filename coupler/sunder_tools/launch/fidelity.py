@@ -20,6 +20,7 @@ from .needs import built_for
 PATCHES = {"plate": ("elements_x", "elements_y"), "cylinder": ("elements_u", "elements_v"),
            "sphere": ("elements_u", "elements_v"), "cone": ("elements_u", "elements_v"),
            "nurbs": ("elements_u", "elements_v"), "cad": ("elements_u", "elements_v")}
+OF_LENGTH = ("annulus", "cad", "mesh")  # their element_m is the length of an element
 NEARER = 2.0 ** 0.25  # a coarser scene that is refused is tried again with so many times the elements
 
 
@@ -112,6 +113,10 @@ def _values(name: str, preset: Preset, scene: Message, given: Sequence[str]) -> 
                 if isinstance(own, float) and preset.elements != 1.0:
                     path = f"shells[{called}].{patch}.{count}"
                     wanted.append((path, f"{max(1, round(own * preset.elements))}", f"{own:g}"))
+        for patch in OF_LENGTH:
+            own = _last(_last(shell, patch), "element_m")
+            if isinstance(own, float) and preset.elements != 1.0:
+                wanted.append((f"shells[{called}].{patch}.element_m", f"{own / preset.elements:.6g}", f"{own:g}"))
     own, settle = _last(scene, "window_s"), _last(scene, "settle_window_s")
     if isinstance(own, float) and preset.window != 1.0:
         window = float(f"{own * preset.window:.12g}")
