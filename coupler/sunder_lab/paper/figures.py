@@ -81,8 +81,9 @@ FIGURES = {figure.number: figure for figure in (
     Figure(12, "A bullet through thin metal",
            "A fast bullet pierces a thin sheet of metal, leaves a clean cut and a permanent deformation; debris flies on.",
            ("fig12",),
-           ("It runs in mode TIPS: it cracks where it has hardened to its strength. In the paper what yields takes damage, as in "
-            "mode DAMAGE here.", "The paper gives no yield stress and no hardening; they are chosen."), views.figure_12),
+           ("The paper gives no yield stress and no hardening; they are chosen. The sheet yields less than in the scene, which "
+            "runs in mode TIPS: a sheet that weakens is punched before it is drawn out.",
+            "Damage does not heal here: a torn flap that folds back would gain energy as it heals."), views.figure_12),
     Figure(13, "A spiral cut", "A sheet is cut beforehand along an Archimedean spiral, exactly.", ("fig13",),
            ("How the sheet is held and pulled is chosen: the rim is held and the middle is pulled up.",), views.figure_13),
     Figure(14, "Two bunnies on a cloth",
