@@ -222,7 +222,7 @@ std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& 
                                        : integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
   const double n[3] = {r.n.c11, r.n.c22, r.n.c12}, none[3] = {};
   const double m[3] = {r.m.c11, r.m.c22, r.m.c12};
-  return linear_stress(n, p.kind == PointKind::kLinear ? none : m, thickness_of(t.layers));
+  return linear_stress(n, p.kind == PointKind::kLinear ? none : m, section_faces(t.layers));
 }
 
 double largest_stretch(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,

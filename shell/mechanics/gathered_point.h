@@ -83,11 +83,11 @@ std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& 
 double largest_stretch(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
                        const std::vector<double>* plastic = nullptr);
 
-/// Stress of both faces [Pa] by resultants n [N/m] and m [N], each 11 22 12, of a section of `thickness` [m].
-inline std::array<double, 6> linear_stress(const double* n, const double* m, double thickness) {
+/// Stress of both faces [Pa] by resultants n [N/m] and m [N], each 11 22 12.
+inline std::array<double, 6> linear_stress(const double* n, const double* m, const SectionFaces& section) {
   std::array<double, 6> faces{};
   for (int k = 0; k < 3; ++k) {
-    const double mean = n[k] / thickness, bend = 6.0 * m[k] / (thickness * thickness);
+    const double mean = n[k] / section.thickness, bend = 6.0 * m[k] / section.squared;
     faces[k] = mean - bend, faces[3 + k] = mean + bend;
   }
   return faces;

@@ -182,15 +182,15 @@ struct DuctileLayers {
       }
       const Layers& layers = flow.places.t.layers;
       if (flow.never_flowed()) {
-        const double thickness = thickness_of(layers), half = half_height(layers);
+        const SectionFaces section = section_faces(layers);
         const FaceStress<T> full =
-            linear_faces<T>(integrate_layers<T, false>(f, ref, layers, flow.places.t.elasticity), thickness);
-        const Sym2<T> low = at_height(f.a, f.b, -half), high = at_height(f.a, f.b, half);
+            linear_faces<T>(integrate_layers<T, false>(f, ref, layers, flow.places.t.elasticity), section);
+        const Sym2<T> low = at_height(f.a, f.b, -section.half), high = at_height(f.a, f.b, section.half);
         const Yielding& y = flow.law.law;
         flow.elastic = !any(!(surely_elastic<T>(full.low, low, y) & surely_elastic<T>(full.high, high, y)));
         if (flow.elastic) {
           const Resultants<T> r = weak.template resultants<kEnergy, kRecord>(f, ref, summed);
-          const FaceStress<T> s = linear_faces<T>(r, thickness);
+          const FaceStress<T> s = linear_faces<T>(r, section);
           if constexpr (kRecord) faces = {unrotated_stress<T>(s.low, low), unrotated_stress<T>(s.high, high)};
           return r;
         }

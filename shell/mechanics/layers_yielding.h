@@ -184,8 +184,8 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
 
 /// Stress of the faces by the resultants of elastic layers, whose stress is linear through the thickness.
 template <class T>
-inline FaceStress<T> linear_faces(const Resultants<T>& r, double thickness) {
-  const double of_n = 1.0 / thickness, of_m = 6.0 / (thickness * thickness);
+inline FaceStress<T> linear_faces(const Resultants<T>& r, const SectionFaces& section) {
+  const double of_n = 1.0 / section.thickness, of_m = 6.0 / section.squared;
   const auto face = [&](double side) {
     const auto part = [&](const T& n, const T& m) { return n * of_n + side * (m * of_m); };
     return Sym2<T>{part(r.n.c11, r.m.c11), part(r.n.c22, r.m.c22), part(r.n.c12, r.m.c12)};
@@ -256,9 +256,9 @@ struct YieldingLayers {
     Resultants<T> resultants(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
       if (never_flowed()) {
         const Resultants<T> r = integrate_layers<T, kEnergy>(f, ref, places.t.layers, places.t.elasticity);
-        const double thickness = thickness_of(places.t.layers), half = 0.5 * thickness;
-        faces = linear_faces<T>(r, thickness);
-        const Sym2<T> low = at_height(f.a, f.b, -half), high = at_height(f.a, f.b, half);
+        const SectionFaces section = section_faces(places.t.layers);
+        faces = linear_faces<T>(r, section);
+        const Sym2<T> low = at_height(f.a, f.b, -section.half), high = at_height(f.a, f.b, section.half);
         elastic = !any(!(surely_elastic<T>(faces.low, low, law.law) & surely_elastic<T>(faces.high, high, law.law)));
         if (elastic) {
           if constexpr (kRecord) faces = {unrotated_stress<T>(faces.low, low), unrotated_stress<T>(faces.high, high)};

@@ -26,7 +26,7 @@ struct BatchCall {
   double* force;
   SurfaceStress stress;
   const LayerMemory& memory;
-  double thickness;
+  SectionFaces section;
 };
 using BatchFunction = double (*)(const BatchCall&, const Batch&, double&);
 
@@ -147,7 +147,7 @@ double sum_batch(const BatchCall& call, const Batch& batch, double& booked) {
       if constexpr (Law::kFolds)
         record_stress(t, p, lane_of_faces(law.faces, i), call.stress);
       else
-        record_stress(t, p, linear_stress(n, m, call.thickness), call.stress);
+        record_stress(t, p, linear_stress(n, m, call.section), call.stress);
     }
   }
   scatter_batch(call, batch, b, g, sound);

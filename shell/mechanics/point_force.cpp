@@ -57,7 +57,7 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
   for (int c = 0; c < kPointChunks; ++c) {
     double* own = scratch.force.data() + c * size;
     std::fill(own, own + size, 0.0);
-    const BatchCall batches{t, call.x.data(), scratch.strips[c], own, call.stress, memory, thickness_of(t.layers)};
+    const BatchCall batches{t, call.x.data(), scratch.strips[c], own, call.stress, memory, section_faces(t.layers)};
     sums[c] = sum_points(batches, sum_batch, points, c, booked[c]);
     if (beside) beside(c, kPointChunks, call.x.data(), own);
   }

@@ -132,12 +132,12 @@ inline Sym2<Pack> rest_beyond(const IntPack& summed, const Sym2<Pack>& now, cons
   return {select(summed, now.c11, rest.c11), select(summed, now.c22, rest.c22), select(summed, now.c12, rest.c12)};
 }
 
-// Factors from resultants to the stress of the faces, n / thickness +- 6 m / thickness^2.
+// Factors from resultants to the stress of the faces.
 struct FaceFactors {
   double of_n, of_m;
   explicit FaceFactors(const Layers& layers) {
-    const double thickness = thickness_of(layers);
-    of_n = 1.0 / thickness, of_m = 6.0 / (thickness * thickness);
+    const SectionFaces section = section_faces(layers);
+    of_n = 1.0 / section.thickness, of_m = 6.0 / section.squared;
   }
   Sym2<Pack> face(const Resultants<Pack>& r, double side) const {
     const auto part = [&](const Pack& n, const Pack& m) { return n * of_n + side * (m * of_m); };

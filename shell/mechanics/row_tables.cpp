@@ -43,6 +43,16 @@ double half_height(const Layers& layers) {
   return std::sqrt(second / (2.0 * half) - half * half / 12.0) + 0.5 * half;
 }
 
+SectionFaces section_faces(const Layers& layers) {
+  SectionFaces faces{half_height(layers), thickness_of(layers)};
+  faces.squared = faces.thickness * faces.thickness;
+  if (2.0 * faces.half <= faces.thickness) return faces;
+  double second = 0.0;
+  for (std::size_t l = 0; l < layers.zeta.size(); ++l) second += layers.weight[l] * layers.zeta[l] * layers.zeta[l];
+  faces.squared = 6.0 * second / faces.half;
+  return faces;
+}
+
 Layers linear_bending(double thickness) {
   Layers layers;
   layers.zeta = {0.0}, layers.weight = {thickness};

@@ -26,6 +26,14 @@ inline double thickness_of(const Layers& layers) {
 }
 /// Height of the outer face above the middle surface [m].
 double half_height(const Layers& layers);
+/// The outer faces of a section. Elastic stress is linear through the plies, also across a core: by resultants n [N/m]
+/// and m [N] of the plies the faces have n / thickness +- 6 m / squared.
+struct SectionFaces {
+  double half = 0.0;       // height above the middle surface [m]
+  double thickness = 0.0;  // without a core [m]
+  double squared = 0.0;    // thickness^2; in a laminate 6 times the section modulus per width [m^2]
+};
+SectionFaces section_faces(const Layers& layers);
 Layers gauss_layers(int count, double thickness);
 /// Two plies beside a core of thickness `inner` [m], with `count` layers in each ply.
 Layers plies(int count, double thickness, double inner);

@@ -34,14 +34,14 @@ Patch patch() {
 
 // The patch twice: all points in rows, and all gathered.
 struct Both {
-  Patch shape = patch();
+  Patch shape;
   RowTables rows, gathered;
   std::vector<GatheredPoint> points;
   std::vector<double> rest;
 
-  explicit Both(StressModel model = model_of<NeoHookean>, int layers = 4)
-      : rows(make_row_tables(shape, 2, gauss_layers(layers, kThickness), elasticity({kModulus, kRatio}, model), "p")),
-        gathered(rows) {
+  explicit Both(StressModel model = model_of<NeoHookean>) : Both(patch(), gauss_layers(4, kThickness), model) {}
+  Both(const Patch& on, const Layers& layers, StressModel model = model_of<NeoHookean>)
+      : shape(on), rows(make_row_tables(shape, 2, layers, elasticity({kModulus, kRatio}, model), "p")), gathered(rows) {
     for (int q = 0; q < rows.blocks(); ++q)
       for (int e = 0; e < rows.spans_u; ++e) {
         const auto field = [&](int k) { return rows.metric[rows.at(q, kMetricFields, k, e)]; };
@@ -314,6 +314,59 @@ TYPED_TEST(LayerLawTest, IsTheSameInRowsAndGatheredPoints) {
   if (!state.empty()) {
     EXPECT_GT(largest_of(state), 1e-3);  // it has yielded, or weakened
     EXPECT_NE(in_rows.booked(), 0.0);
+  }
+}
+
+// A laminate of 4/1.52/4 mm bent to a cylinder: its faces are strained by curvature times height, whatever the core.
+TYPED_TEST(LayerLawTest, FacesOfALaminateBearTheStressOfTheirHeight) {
+  constexpr double kPly = 4e-3, kCore = 1.52e-3, kFace = kPly + 0.5 * kCore, kCurvature = 1e-5;
+  const Both b(plate(0.2, 0.2, 4, 4, Vec3(0.1, 0.1, 0.0), Quat::Identity()), plies(2, 2.0 * kPly + kCore, kCore));
+  std::vector<double> x = b.rest;
+  const std::vector<double>& knots = b.shape.knots_u.knots();
+  for (int i = 0; i < b.rows.rows * b.rows.columns; ++i) {
+    const int column = i % b.rows.columns;  // x^2 / 2 as a quadratic B-spline: its blossom at two knots
+    x[2 * static_cast<std::size_t>(b.rows.component_stride) + b.rows.slot(i)] =
+        0.5 * kCurvature * knots[column + 1] * knots[column + 2];
+  }
+  const double bent = kModulus / (1.0 - kRatio * kRatio) * kCurvature * kFace;
+  Memory<TypeParam> in_rows(b), gathered(b);
+  for (const Answer& a : {by_rows(b, in_rows, x), by_points(b, gathered, x)})
+    for (const GatheredPoint& p : b.points)
+      for (const int face : {0, 1}) {
+        const auto at = [&](int k) { return a.faces[b.rows.at(p.block, 6, 3 * face + k, p.lane)]; };
+        // the surface is stretched by half the square of its slope: 4e-5 of the strain of a face
+        EXPECT_NEAR(std::abs(at(0)), bent, 1e-4 * bent);
+        EXPECT_NEAR(at(1), kRatio * at(0), 1e-4 * bent);
+        EXPECT_NEAR(at(2), 0.0, 1e-4 * bent);
+        EXPECT_EQ(at(0) > 0.0, a.faces[b.rows.at(p.block, 6, 3 * (1 - face), p.lane)] < 0.0);
+      }
+}
+
+// sigma = M H / I of the transformed section, with the core's area times the ratio of moduli. A core without stiffness
+// is the limit. Plies with a core under them also pull.
+TEST(ElasticLayers, FacesOfALaminateAreThoseOfTheTransformedSection) {
+  constexpr double kGlass = 70e9, kPly = 4e-3, kCore = 1.52e-3, kFace = kPly + 0.5 * kCore;
+  const ReferenceMetric<double> flat{{1.0, 1.0, 0.0}, {0.0, 0.0, 0.0}};
+  for (const double share : {0.0, 1e-3, 0.1}) {  // of the core's modulus; without lateral contraction this is a beam
+    const Layers glass = plies(3, 2.0 * kPly + kCore, kCore), core = gauss_layers(2, kCore);
+    const double pull = 1e-7, curvature = 1e-5;
+    Forms<double> f{};
+    f.a = {1.0 + 2.0 * pull, 1.0, 0.0}, f.b = {curvature, 0.0, 0.0};
+    Resultants<double> r = integrate_layers<double, false>(f, flat, glass, elasticity({kGlass, 0.0}));
+    const FaceStress<double> faces = linear_faces<double>(r, section_faces(glass));
+    double n = r.n.c11, m = r.m.c11;
+    if (share > 0.0) {
+      const Resultants<double> inner =
+          integrate_layers<double, false>(f, flat, core, elasticity({share * kGlass, 0.0}));
+      n += inner.n.c11, m += inner.m.c11;
+    }
+    const double area = 2.0 * kPly + share * kCore;
+    const double second = (std::pow(2.0 * kFace, 3) - (1.0 - share) * std::pow(kCore, 3)) / 12.0;
+    const double mean = n / area, bend = m * kFace / second;
+    EXPECT_GT(std::abs(bend), 0.3 * mean);
+    // strains of 1e-7 by a law of large strain
+    EXPECT_NEAR(faces.high.c11, mean + bend, 1e-5 * std::abs(bend)) << share;
+    EXPECT_NEAR(faces.low.c11, mean - bend, 1e-5 * std::abs(bend)) << share;
   }
 }
 

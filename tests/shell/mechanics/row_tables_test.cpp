@@ -56,6 +56,29 @@ TEST(Layers, OfLinearBendingAreTheMiddleAndTheSecondMoment) {
   EXPECT_NEAR(layers.bending, std::pow(0.004, 3) / 12.0, 1e-24);
 }
 
+TEST(Layers, FacesOfALaminateHaveItsSectionModulus) {
+  for (const double core : {0.38e-3, 1.52e-3, 6e-3}) {
+    const double ply = 4e-3, whole = 2.0 * ply + core;
+    const SectionFaces faces = section_faces(plies(2, whole, core));
+    EXPECT_NEAR(faces.half, 0.5 * whole, 1e-12 * whole);
+    EXPECT_NEAR(faces.thickness, 2.0 * ply, 1e-12 * ply);
+    const double modulus = (std::pow(whole, 3) - std::pow(core, 3)) / (6.0 * whole);
+    EXPECT_NEAR(faces.squared, 6.0 * modulus, 1e-12 * modulus);
+  }
+}
+
+TEST(Layers, FacesOfASolidSectionHaveTheSquareOfItsThicknessToTheLastBit) {
+  for (const int n : {1, 2, 3, 4, 5})
+    for (const double t : {0.004, 0.0071, 1.0 / 3.0}) {
+      const Layers layers = gauss_layers(n, t);
+      const double thickness = thickness_of(layers);
+      EXPECT_EQ(section_faces(layers).thickness, thickness);
+      EXPECT_EQ(section_faces(layers).squared, thickness * thickness);
+      EXPECT_EQ(section_faces(layers).half, 0.5 * thickness);
+    }
+  EXPECT_EQ(section_faces(linear_bending(0.004)).squared, 0.004 * 0.004);
+}
+
 TEST(RowTables, AreasSumToTheSurfaceAndSlotsAreTheirOwn) {
   const Patch p = with_parameters_as_lengths(cylinder(0.3, 0.5, 1.2, 11, 5));
   const RowTables t = tables(p, 3);
