@@ -180,14 +180,20 @@ void Balance::gather(std::vector<double>& f) const {
   }
 }
 
-// Multipliers of forces that make accelerations by the inverse masses keep the constraints: (G W G^T) m = G W f.
+// Multipliers of forces that make accelerations by the inverse masses keep the constraints: (G W G^T) m = G W f. That
+// of a constraint without a gradient, whose direction is held, is 0. Not a number where positions are not.
 Eigen::VectorXd Balance::multipliers_of(const Eigen::VectorXd& f) {
   gradients_ = degrees_.gradients(x);
   const Eigen::SparseMatrix<double> weighted = gradients_ * inverse_.asDiagonal();
   Eigen::SparseMatrix<double> matrix = weighted * gradients_.transpose();
   const double most = matrix.diagonal().maxCoeff();
-  for (Eigen::Index r = 0; r < matrix.rows(); ++r) matrix.coeffRef(r, r) += kRidge * most;
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
+    double& own = matrix.coeffRef(r, r);
+    own = own == 0.0 ? 1.0 : own + kRidge * most;
+  }
   factors_.compute(matrix);
+  if (factors_.info() != Eigen::Success)
+    return Eigen::VectorXd::Constant(matrix.rows(), std::numeric_limits<double>::quiet_NaN());
   Eigen::VectorXd out = factors_.solve(weighted * f);
   out += factors_.solve(weighted * (f - gradients_.transpose() * out));  // takes away what the ridge leaves
   return out;
@@ -206,6 +212,7 @@ void Balance::close() {
   if (!degrees_.constrained()) return;
   for (int k = 0; k < kClosings; ++k) {
     multipliers_of(Eigen::VectorXd::Zero(degrees_.count()));
+    if (factors_.info() != Eigen::Success) return;
     const Eigen::VectorXd impulses = factors_.solve(degrees_.violations(x));
     const std::vector<double> u = degrees_.expanded(-inverse_.cwiseProduct(gradients_.transpose() * impulses));
     for (std::size_t i = 0; i < u.size(); ++i) x[i] += u[i];

@@ -4,6 +4,10 @@
 
 namespace sunder::shell {
 
+namespace {
+constexpr double kHeld = 1e-9;  // free share of a constraint's gradient that round-off of positions may leave
+}
+
 JoinedDegrees::JoinedDegrees(const JoinedShells& joined) {
   std::size_t size = 0;
   for (const ShellRef& r : joined.shells) {
@@ -174,6 +178,13 @@ Eigen::SparseMatrix<double> JoinedDegrees::gradients(const std::vector<double>& 
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Row& row = rows_[r];
     const Vec3 along = row.axis < 0 ? Vec3(sum(row, x).normalized()) : Vec3(Vec3::Unit(row.axis));
+    double whole = 0.0, free = 0.0;
+    for (const Term& t : row.terms)
+      for (int d = 0; d < 3; ++d) {
+        const double square = t.weight * t.weight * along[d] * along[d];
+        whole += square, free += number_[t.entry + d * t.stride] >= 0 ? square : 0.0;
+      }
+    if (free <= kHeld * kHeld * whole) continue;
     for (const Term& t : row.terms)
       for (int d = 0; d < 3; ++d)
         if (const int n = number_[t.entry + d * t.stride]; n >= 0 && along[d] != 0.0)

@@ -49,7 +49,7 @@ class JoinedDegrees {
 
   /// Violations of the constraints at positions x, as shares of the length that their control points stand for [-].
   Eigen::VectorXd violations(const std::vector<double>& x) const;
-  /// Their derivatives by free displacements [1/m].
+  /// Their derivatives by free displacements [1/m]. The row of a constraint whose direction is held is zero.
   Eigen::SparseMatrix<double> gradients(const std::vector<double>& x) const;
   /// Their second derivatives, times multipliers, in sum.
   Eigen::SparseMatrix<double> curvature(const std::vector<double>& x, const Eigen::VectorXd& multipliers) const;

@@ -42,7 +42,8 @@ class Factors {
 Eigen::VectorXd constrained(const Matrix& tangent, bool symmetric, const Matrix& gradients, const Eigen::VectorXd& c,
                             const Eigen::VectorXd& force, bool& unstable) {
   const Matrix product = gradients.transpose() * gradients;
-  const double penalty = kPenalty * tangent.diagonal().maxCoeff() / product.diagonal().maxCoeff();
+  const double steepest = product.diagonal().maxCoeff();  // 0: the directions of all constraints are held
+  const double penalty = steepest > 0.0 ? kPenalty * tangent.diagonal().maxCoeff() / steepest : 0.0;
   const Factors factors(Matrix(tangent + penalty * product), symmetric);
   if (!factors.good()) return {};
   unstable = factors.unstable();

@@ -237,6 +237,29 @@ TEST(JoinedEquilibrium, ACreaseKeepsItsAngle) {
   EXPECT_NEAR(pieces.left_and_borne().second.z(), -force, 1e-7 * force);  // round-off of positions times the stiffness
 }
 
+// A crease whose direction supports hold has no gradient: it bears nothing, and the arm is sheared in its plane.
+TEST(JoinedEquilibrium, ACreaseWhoseDirectionIsHeldBearsNothing) {
+  for (const bool newton : {true, false}) {
+    std::vector<ShellModel> models = bracket(0.0);
+    Load load;
+    load.kind = Load::Kind::kEdgeForce, load.edges = kUMax, load.force = Vec3(0, 100.0 / kWide, 0);
+    Support plane;  // all may move along y alone
+    plane.axes = {true, false, true}, plane.clamped = false, plane.regions = {{Vec2(0, 0), Vec2(kColumn, kWide)}};
+    const Patch column = models[0].patch, arm = models[1].patch;
+    models = {make_shell("column", column, kThin, elastic(2e11, 0.0), 2, 2, {hold(kUMin, false), plane}),
+              make_shell("arm", arm, kThin, elastic(2e11, 0.0), 2, 2, {plane}, {load})};
+    Joined pieces(std::move(models));
+    RelaxationRules rules;
+    rules.tolerance = 1e-9, rules.most_newton = newton ? 60 : 0;
+    const RelaxationResult r = relax(pieces.all, rules, &pieces.seams);
+    ASSERT_TRUE(r.converged) << r.residual << newton;
+    // of one straight strip in shear alone: F L / (G A)
+    const double shear = 100.0 * (kColumn + kArm) / (1e11 * kWide * kThin);
+    EXPECT_NEAR(pieces.moved(1, {kArm, 0.5 * kWide}).y(), shear, 0.02 * shear);
+    EXPECT_NEAR(pieces.left_and_borne().second.y(), -100.0, 1e-5);
+  }
+}
+
 // A force that follows nothing and turns the arm by far: the angle at the crease stays a right one.
 TEST(JoinedEquilibrium, ACreaseKeepsItsAngleAlsoWhereItTurnsFar) {
   Joined pieces(bracket(-2000.0));
