@@ -53,6 +53,8 @@ void other_shell(const LoadedScene& s, const std::string& f, const proto::Probe&
   s.check(!p.has_at() && p.fields_size() == 0, g,
           "makes this the contact of two shells, and at or fields are those of a point; leave them out");
   s.check(p.shell() != p.other_shell(), g, "is '{}', as shell is; name another one", p.other_shell());
+  s.check(!is_static(m), g,
+          "makes this the contact of two shells, and in this scene nothing moves; leave the probe out");
   const std::vector<std::string> shells = names_in(m.shells());
   if (!is_shell(m, p.other_shell())) refuse_name(s, g, p.other_shell(), "shell", shells);
   const auto has_fibres = [&](const std::string& name) {

@@ -173,6 +173,26 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
   return static_cast<int>(touches_.size() + close_.size());
 }
 
+// [field]: of fields that touch.
+std::vector<std::vector<FieldContact::Part>> FieldContact::parts_of_fields(
+    const std::vector<SurfaceSample>& samples) const {
+  std::vector<std::vector<Part>> out(fields_.size());
+  for (const int p : near_)
+    for (int c = 8 * p; c < 8 * p + 8; ++c) {
+      if (!fields_[corners_[c].field].touches) continue;
+      std::vector<Part>& parts = out[corners_[c].field];
+      auto own = std::find_if(parts.begin(), parts.end(), [&](const Part& k) { return k.shell == samples[p].shell; });
+      if (own == parts.end()) own = parts.insert(parts.end(), {samples[p].shell, 0.0});
+      own->share += corners_[c].weight * samples[p].mass;
+    }
+  for (std::vector<Part>& parts : out) {
+    double mass = 0.0;
+    for (const Part& k : parts) mass += k.share;
+    for (Part& k : parts) k.share /= mass;  // exactly 1 of one shell alone
+  }
+  return out;
+}
+
 // True if a sample belongs to the surface of a field, which is that of its first sample. A sample that has turned over
 // against the first one is on the other side of a fold, and does not belong.
 bool FieldContact::one(const Field& f, const SurfaceSample& first, const SurfaceSample& p) const {

@@ -46,11 +46,15 @@ class FieldContact {
   /// folds included.
   int push(std::vector<SurfaceSample>& samples, double dt);
 
-  /// Calls f(a, b, impulse) for what shell b has got from shell a in the last push(), place by place [N s]. All shells
-  /// together get nothing.
+  /// Calls f(a, b, impulse) for what shell b has got from shell a in the last push(), place by place [N s]; `samples`
+  /// are those of that push(). All shells together get nothing. Where shells are joined, a surface is of several: an
+  /// impulse is divided by their masses there, as push() divides it among samples.
   template <class F>
-  void each_exchange(F&& f) const {
-    for (const Touch& t : touches_) f(fields_[t.a].shell, fields_[t.b].shell, t.impulse);
+  void each_exchange(const std::vector<SurfaceSample>& samples, F&& f) const {
+    const std::vector<std::vector<Part>> parts = parts_of_fields(samples);
+    for (const Touch& t : touches_)
+      for (const Part& a : parts[t.a])
+        for (const Part& b : parts[t.b]) f(a.shell, b.shell, Vec3(a.share * b.share * t.impulse));
   }
 
   /// Two samples of one fold that are too close, or would be at the end of the substep. The fold is tighter than the
@@ -94,6 +98,12 @@ class FieldContact {
     int field;
     double weight;
   };
+  /// A shell's share of the mass of a field.
+  struct Part {
+    int shell;
+    double share;
+  };
+  std::vector<std::vector<Part>> parts_of_fields(const std::vector<SurfaceSample>& samples) const;
   bool one(const Field& f, const SurfaceSample& first, const SurfaceSample& p) const;
   void find_fields(const std::vector<SurfaceSample>& samples);
   void turn(const std::vector<SurfaceSample>& samples);

@@ -207,6 +207,20 @@ CouplingRules make_coupling(const proto::Scene& m) {
   return r;
 }
 
+// Throws Error where a probe asks for the contact of two shells that seams join.
+void check_pairs(const scene::LoadedScene& scene, const RunSetup& r) {
+  const auto together = components(r.shells.size(), r.stitches.seams);
+  const auto& asked = scene.message.output().probes();
+  for (const Probe& p : r.probes) {
+    if (p.other < 0 || together[p.shell][p.other] == 0) continue;
+    const auto own = std::find_if(asked.begin(), asked.end(), [&](const auto& a) { return a.name() == p.name; });
+    scene.fail(fmt::format("output.probes[{}].other_shell", own - asked.begin()),
+               fmt::format("is '{}', which seams join to '{}': near a seam both are one surface, whose contact with "
+                           "itself is not measured; name a shell that no seams join to it, or leave the probe out",
+                           own->other_shell(), own->shell()));
+  }
+}
+
 }  // namespace
 
 double RunSetup::thickness() const {
@@ -282,6 +296,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   const bool several = r.shells.size() > static_cast<std::size_t>(m.shells_size());
   if (m.has_seams() || several) r.stitches = make_stitches(scene, parts, files, r);
   if (several) check_joined(scene, parts, files, r);
+  check_pairs(scene, r);
   for (const Seam& seam : r.stitches.seams)
     if (seam.join == Join::kClamped)
       r.shells[seam.first].model.joined |= seam.first_edge, r.shells[seam.second].model.joined |= seam.second_edge;

@@ -106,7 +106,7 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
   for (int pass = 1; touching > 0; ++pass) {
     add_impulses_to_control_points(shells, dt);
     if (exchanged)
-      fields_.each_exchange([&](int a, int b, const Vec3& j) {
+      fields_.each_exchange(samples_, [&](int a, int b, const Vec3& j) {
         if (a != b) exchanged(a, b, j);
       });
     separate_folds(shells, dt, exchanged);

@@ -66,6 +66,30 @@ TEST(OutputFields, AreOfTwoShellsToo) {
   refused("shell: \"pane\" other_shell: \"lit\"", "is no shell of this scene");
 }
 
+TEST(OutputFields, AreNotOfShellsThatSeamsJoinOrThatDoNotMove) {
+  const auto plate = [](const std::string& name, double x) {
+    return "shells { name: \"" + name +
+           "\" material: \"glass\" thickness_m: 0.004 plate { size_x_m: 0.3 size_y_m: 0.3 " +
+           "elements_x: 8 elements_y: 8 pose { position { x: " + std::to_string(x) + " z: -0.1 } } } }\n";
+  };
+  // `far` hangs on `lid` by `side`
+  const std::string shells = plate("lid", 0.0) + plate("side", 0.3) + plate("far", 0.6) + "seams { }\n";
+  const auto probe = [&](const std::string& one, const std::string& other) {
+    return shells + "output { probes { name: \"ball\" body: \"ball\" } probes { name: \"a\" shell: \"" + one +
+           "\" other_shell: \"" + other + "\" } }\n";
+  };
+  for (const char* other : {"side", "far"})
+    expect_refusal(strong("", probe("lid", other)), "output.probes[1].other_shell",
+                   {std::string("is '") + other + "', which seams join to 'lid'", "leave the probe out"});
+  EXPECT_EQ(built(strong("", probe("pane", "far"))).probes.size(), 2u);
+  std::string still = kScene;
+  for (const char* field : {"end_time_s:", "window_s:"})
+    still.erase(still.find(field), still.find('\n', still.find(field)) - still.find(field));
+  still.erase(still.find("bodies {"));
+  expect_refusal(still + plate("lid", 0.0) + "output { probes { name: \"a\" shell: \"pane\" other_shell: \"lid\" } }\n",
+                 "output.probes[0].other_shell", {"in this scene nothing moves", "leave the probe out"});
+}
+
 TEST(OutputFields, AreRefusedInScenesThatHaveNoShellOrNoBody) {
   const std::string pane = kScene.substr(kScene.find("shells {"), kScene.find("bodies {") - kScene.find("shells {"));
   std::string bodies = kScene, shells = kScene;

@@ -231,6 +231,32 @@ TEST(ShellContact, ASeamIsStoppedLikeWhatIsBesideIt) {
   }
 }
 
+TEST(ShellContact, ImpulsesOfJoinedShellsAreDividedByTheirMassesAtTheSeam) {
+  // Two patches that hang together fall squarely on a sheet, a mirror image of each other: each gets half. At the seam
+  // a node's surface is of both.
+  Stitched s({rubber_sheet(0.4, 8, Vec3(-0.2, 0, 0), 0.01), rubber_sheet(0.4, 8, Vec3(0.2, 0, 0), 0.01),
+              rubber_sheet(0.6, 12, Vec3(0.0, 0.0, -0.01), 0.01)});
+  ASSERT_EQ(s.seams().size(), 1u);
+  for (const int k : {0, 1})
+    for (int i = 0; i < s.model(k).control_points(); ++i)
+      s.state(k).add_velocity(s.model(k).tables.slot(i), Vec3(0, 0, -2));
+  ShellContact contact({&s.model(0), &s.model(1), &s.model(2)}, s.seams(), {3, std::vector<SurfaceLaw>(3, {0.0, 0.0})});
+  s.stitching().store_velocities(s.refs());
+  std::array<std::array<Vec3, 3>, 3> given;
+  for (auto& row : given) row.fill(Vec3::Zero());
+  contact.act(
+      s.refs(), 2e-6, [&] { s.hand_on(); }, [&](int a, int b, const Vec3& j) { given[b][a] += j, given[a][b] -= j; });
+  const double all = given[2][0].norm() + given[2][1].norm();
+  EXPECT_LT(given[2][0].z(), -0.3);
+  EXPECT_NEAR(given[2][0].z(), given[2][1].z(), 1e-6 * all);  // passes go from one side to the other
+  Vec3 momentum = Vec3::Zero();
+  for (int i = 0; i < s.model(2).control_points(); ++i) {
+    const int slot = s.model(2).tables.slot(i);
+    momentum += s.state(2).motion.mass[slot] * s.state(2).velocity(slot);
+  }
+  EXPECT_LT((given[2][0] + given[2][1] - momentum).norm(), 1e-12 * all);
+}
+
 TEST(ShellContact, WhatTouchesAtFewPlacesIsStoppedWithinASubstepToo) {
   // a strip as wide as an element falls across a sheet: the control points that it pushes reach far beyond it
   for (const double restitution : {0.0, 0.5}) {
