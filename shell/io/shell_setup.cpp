@@ -1,5 +1,6 @@
 #include "shell/io/shell_setup.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -87,6 +88,26 @@ void set_fibres(const scene::LoadedScene& scene, const proto::Shell& shell, cons
 }
 
 }  // namespace
+
+std::string never_breaks(const std::vector<ShellSetup>& shells) {
+  const double most = 2.0 / std::sqrt(3.0);
+  std::string out;
+  for (const ShellSetup& shell : shells) {
+    const ShellMaterial& m = shell.model.material;
+    if (!shell.fracture.tips_run() && !shell.fracture.damages()) continue;
+    if (m.strength == 0.0 || m.yield_stress == 0.0 || m.hardening_modulus > 0.0) continue;
+    const std::vector<float>& factors = shell.model.strength_factor;
+    const double least = factors.empty() ? 1.0 : *std::min_element(factors.begin(), factors.end());
+    if (m.weibull_modulus > 0.0 || least * m.strength <= most * m.yield_stress) continue;
+    out += fmt::format(
+        "{}shell '{}' never breaks by itself: material '{}' flows at {:.4g} Pa without hardening, so no stress is "
+        "above "
+        "{:.4g} Pa, and its strength is {:.4g} Pa; give it a hardening_modulus, or a strength up to its yield_stress",
+        out.empty() ? "" : "; ", shell.model.name, shell.material, m.yield_stress, most * m.yield_stress,
+        least * m.strength);
+  }
+  return out;
+}
 
 std::string too_thick(const std::vector<ShellSetup>& shells, const std::vector<Seam>& seams) {
   std::vector<double> areas;

@@ -43,6 +43,9 @@ ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell
 /// deflections are too small by some 5 (thickness / width)^2 (square plate, simply supported; Timoshenko and
 /// Woinowsky-Krieger, section 39). The width is the square root of the area of all shells that seams join.
 std::string too_thick(const std::vector<ShellSetup>& shells, const std::vector<Seam>& seams);
+/// Returns a warning about shells that flow before any stress reaches their strength, or an empty text. Without
+/// hardening no principal stress exceeds 2 / sqrt(3) times the yield stress (von Mises, plane stress).
+std::string never_breaks(const std::vector<ShellSetup>& shells);
 /// Throws Error where the grid of all fibres is too coarse for this shell.
 void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& shell, std::size_t index, double spacing);
 

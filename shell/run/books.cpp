@@ -86,6 +86,7 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
                       books.frozen_kinetic, grid, keeps, books.crack_surface(simulation), rubble});
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
+  if (const std::string whole = never_breaks(shells); !whole.empty()) out.insert(out.begin(), whole);
   if (const std::string late = felt_late(shells, simulation.model.setup.bodies); !late.empty())
     out.insert(out.begin(), late);
   return out;
