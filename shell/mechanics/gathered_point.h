@@ -25,15 +25,15 @@ std::uint64_t fresh_stamp();
 struct GatheredPoint {
   int block = 0, lane = 0;
   PointKind kind = PointKind::kDead;
-  double area = 0.0;                 // reference area [m^2]
-  ReferenceMetric<double> metric{};  // of these shape functions: the rest state has no strain
-  std::vector<GatheredFunction> functions;
-  // Kernels keep packed copies of the functions as long as the stamp is the same. Other functions take another point,
-  // or another stamp. A dead point has none.
-  std::uint64_t stamp = fresh_stamp();
   bool handed_off = false;  // with its piece
   // The row kernel sums the point: it is damaged, but no crack has touched it.
   bool in_rows = false;
+  // Kernels keep packed copies of all below as long as the stamp is the same. Another point has another stamp, and so
+  // have other functions. A dead point has no functions.
+  std::uint64_t stamp = fresh_stamp();
+  double area = 0.0;                 // reference area [m^2]
+  ReferenceMetric<double> metric{};  // of these shape functions: the rest state has no strain
+  std::vector<GatheredFunction> functions;
 };
 
 /// All functions of the uncut patch at parameter `p`; slots for rows that are `stride` apart.

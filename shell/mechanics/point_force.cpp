@@ -15,29 +15,16 @@ BatchFunction batch_function(const LayerMemory& memory, bool energy, bool record
   });
 }
 
-// Sums the points of one chunk in batches. Returns their energy [J] if it is asked for.
-double sum_points(const BatchCall& call, BatchFunction sum_batch, const std::vector<GatheredPoint>& points,
-                  std::size_t chunk, double& booked) {
-  constexpr std::size_t kTurn = kPointRun * kPointChunks;
-  call.strips.prepare((points.size() + kTurn - 1) / kTurn * kPointRun);
-  double sum = 0.0;
-  Batch batch;
-  const auto flush = [&] {
-    if (batch.count > 0) sum += sum_batch(call, batch, booked);
-    batch.count = 0;
-  };
-  for (std::size_t begin = chunk * kPointRun, number = 0; begin < points.size(); begin += kTurn)
-    for (std::size_t i = begin; i < std::min(begin + kPointRun, points.size()); ++i, ++number) {
-      if (points[i].in_rows) continue;
-      if (points[i].kind == PointKind::kDead) {
-        call.strips.drop(number);
-        continue;
-      }
-      batch.index[batch.count] = i, batch.number[batch.count] = number, batch.points[batch.count++] = &points[i];
-      if (batch.count == kLanes) flush();
-    }
-  flush();
-  return sum;
+// Adds the forces that the chunks summed.
+void add_chunks(const PointScratch& scratch, std::size_t stride, bool beside, std::vector<double>& force) {
+  for (int c = 0; c < kPointChunks; ++c) {
+    const SlotForce* own = scratch.force.data() + c * stride;
+    for (int i = scratch.packs[c].first_slot(); i < scratch.packs[c].end_slot(); ++i)
+      for (std::size_t k = 0; k < 3; ++k) force[k * stride + i] += own[i][k];
+    if (!beside) continue;
+    const double* other = scratch.beside.data() + 3 * c * stride;
+    for (std::size_t i = 0; i < 3 * stride; ++i) force[i] += other[i];
+  }
 }
 
 }  // namespace
@@ -46,8 +33,9 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
                         const LayerMemory& memory, PointScratch& scratch, std::vector<double>& force,
                         const PointsBeside& beside) {
   if (points.empty() && !beside) return 0.0;
-  const std::size_t size = 3 * static_cast<std::size_t>(t.component_stride);
-  scratch.force.resize(kPointChunks * size);
+  const std::size_t stride = t.component_stride;
+  scratch.force.resize(kPointChunks * stride);
+  if (beside) scratch.beside.resize(kPointChunks * 3 * stride);
   const bool record = call.stress.values != nullptr;
   double flow[kPointChunks] = {};
   const BatchFunction sum_batch = is_ductile(memory) ? ductile_batch(memory, call.energy, record, flow)
@@ -55,11 +43,18 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
   double sums[kPointChunks] = {}, booked[kPointChunks] = {};
 #pragma omp parallel for schedule(static, 1) num_threads(std::min(call.threads, kPointChunks))
   for (int c = 0; c < kPointChunks; ++c) {
-    double* own = scratch.force.data() + c * size;
-    std::fill(own, own + size, 0.0);
-    const BatchCall batches{t, call.x.data(), scratch.strips[c], own, call.stress, memory, section_faces(t.layers)};
-    sums[c] = sum_points(batches, sum_batch, points, c, booked[c]);
-    if (beside) beside(c, kPointChunks, call.x.data(), own);
+    PointPacks& packs = scratch.packs[c];
+    packs.update(t, points, c);
+    SlotForce* const own = scratch.force.data() + c * stride;
+    std::fill(own + packs.first_slot(), own + packs.end_slot(), SlotForce{});
+    const BatchCall batches{t, call.x.data(), own, call.stress, memory, section_faces(t.layers)};
+    double sum = 0.0;
+    packs.each([&](const PointPack& p, const PointPack* next) { sum += sum_batch(batches, p, next, booked[c]); });
+    sums[c] = sum;
+    if (!beside) continue;
+    double* const other = scratch.beside.data() + 3 * c * stride;
+    std::fill(other, other + 3 * stride, 0.0);
+    beside(c, kPointChunks, call.x.data(), other);
   }
   double sum = 0.0;
   for (int c = 0; c < kPointChunks; ++c) {
@@ -68,9 +63,8 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
       book_ductile_points(memory, booked[c], flow[c]);
     else
       with_layers(memory, [&]<class Law>(Law) { Law::book_points(memory, booked[c]); });
-    const double* own = scratch.force.data() + c * size;
-    for (std::size_t i = 0; i < size; ++i) force[i] += own[i];
   }
+  add_chunks(scratch, stride, static_cast<bool>(beside), force);
   return sum;
 }
 

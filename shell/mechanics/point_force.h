@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "shell/mechanics/point_strips.h"
+#include "shell/mechanics/point_packs.h"
 #include "shell/mechanics/row_force.h"
 
 namespace sunder::shell {
@@ -13,10 +13,14 @@ namespace sunder::shell {
 /// time. Positions and forces are [component][slot].
 using PointsBeside = std::function<void(int chunk, int chunks, const double* x, double* force)>;
 
+/// Force on a control point [N] as the packs sum it: x y z, and a number that nothing uses.
+using SlotForce = Pack4;
+
 /// Memory of the kernel, reused.
 struct PointScratch {
-  std::array<PointStrips, kPointChunks> strips;
-  std::vector<double> force;  // [chunk][component][slot]
+  std::array<PointPacks, kPointChunks> packs;
+  std::vector<SlotForce> force;  // [chunk][slot]
+  std::vector<double> beside;    // [chunk][component][slot] [N]
 };
 
 /// Adds the forces of the points to `force` [N], [component][slot]. Returns their elastic energy [J] if `energy`.

@@ -40,7 +40,7 @@ struct FacePoint {
 };
 
 /// Values and first derivatives of the functions of one side of an edge, as strips of consecutive slots with zeros at
-/// slots that it does not use (mechanics/point_strips.h).
+/// slots that it does not use.
 struct FaceStrips {
   std::vector<int> slot;  // first slot of each strip
   std::vector<std::array<Pack, 3>> n;

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "shell/geometry/builders.h"
-#include "shell/mechanics/point_strips.h"
+#include "shell/mechanics/point_packs.h"
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/forces.h"

@@ -1,8 +1,9 @@
-// Packed functions of gathered points, against sums over the functions one by one.
-#include "shell/mechanics/point_strips.h"
+// Packs of gathered points, against points one by one.
+#include "shell/mechanics/point_packs.h"
 
 #include <cmath>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -96,7 +97,7 @@ TEST(RoundToUnits, LeavesASumThatIsNotZero) {
   EXPECT_EQ(f[1].n[2], 0.0);
 }
 
-TEST(PointStrips, OfEitherWidthGiveTheForcesOfTheFunctions) {
+TEST(PointPacks, OfEitherWidthGiveTheForcesOfTheFunctions) {
   Sheet s;
   PointScratch narrow;
   expect_equal_forces(s.packed(narrow), s.one_by_one());
@@ -106,23 +107,50 @@ TEST(PointStrips, OfEitherWidthGiveTheForcesOfTheFunctions) {
   expect_equal_forces(s.packed(mixed), s.one_by_one());
 }
 
-TEST(PointStrips, FollowPointsThatChangeDieAndAreAdded) {
+TEST(PointPacks, GiveEnergyAndStressOfFacesOfPointsOfAllKinds) {
+  Sheet s;
+  s.points[3].kind = s.points[70].kind = PointKind::kLinear;
+  s.points[4].kind = PointKind::kDead, s.points[4].functions.clear();
+  s.points[5].in_rows = true;
+  s.points[6].functions.clear();  // no control points: nothing bears
+  std::vector<double> faces(static_cast<std::size_t>(s.t.blocks()) * 6 * s.t.lanes, 0.0), force(s.rest.size(), 0.0);
+  PointScratch scratch;
+  const double energy = add_point_forces(s.t, s.points, {s.x, true, {&faces}}, {}, scratch, force);
+  double sum = 0.0, most = 0.0;
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    const GatheredPoint& p = s.points[i];
+    if (p.in_rows) continue;
+    if (!p.functions.empty()) sum += point_energy(s.t, p, s.x);
+    const std::array<double, 6> one = p.functions.empty() ? std::array<double, 6>{} : undamaged_stress(s.t, p, s.x);
+    for (int k = 0; k < 6; ++k) {
+      most = std::max(most, std::abs(one[k]));
+      EXPECT_NEAR(faces[s.t.at(p.block, 6, k, p.lane)], one[k], 1e-4) << i;  // [Pa] of 1e6: round-off of the strain
+    }
+  }
+  EXPECT_GT(most, 1e5);
+  EXPECT_NEAR(energy, sum, 1e-11 * sum);
+  for (int k = 0; k < 6; ++k) EXPECT_EQ(faces[s.t.at(s.points[5].block, 6, k, s.points[5].lane)], 0.0);
+}
+
+TEST(PointPacks, FollowPointsThatChangeDieAndAreAdded) {
   Sheet s;
   PointScratch kept;
   const std::vector<GatheredPoint> all = s.points;
   s.points.resize(all.size() / 3);
   s.packed(kept);
   s.points = all;
-  for (int round = 0; round < 5; ++round) {  // often enough that unused memory is packed again
+  for (int round = 0; round < 5; ++round) {
     for (std::size_t i = round; i < s.points.size(); i += 2)
       s.points[i] = s.point(s.points[i].block, s.points[i].lane, i % 3 != 0);
     for (std::size_t i = round; i < s.points.size(); i += 17)
       s.points[i].kind = PointKind::kDead, s.points[i].functions.clear();
     expect_equal_forces(s.packed(kept), s.one_by_one());
   }
+  for (GatheredPoint& p : s.points) p.kind = PointKind::kDead, p.functions.clear();
+  EXPECT_EQ(s.packed(kept), std::vector<double>(s.rest.size(), 0.0));
 }
 
-TEST(PointStrips, ForcesAreTheSameForAnyNumberOfThreadsAndAnyHistory) {
+TEST(PointPacks, ForcesAreTheSameForAnyNumberOfThreadsAndAnyHistory) {
   Sheet s;
   PointScratch one, three;
   const std::vector<GatheredPoint> changed = s.points;
@@ -132,12 +160,56 @@ TEST(PointStrips, ForcesAreTheSameForAnyNumberOfThreadsAndAnyHistory) {
   EXPECT_EQ(s.packed(one, 1), s.packed(three, 3));
 }
 
-TEST(SumsOfLanes, AreOfEachPack) {
-  Pack p[kLanes];
-  for (int i = 0; i < kLanes; ++i)
-    for (int k = 0; k < kLanes; ++k) p[i][k] = 10.0 * i + k;
-  const Pack sums = sums_of_lanes(p);
-  for (int i = 0; i < kLanes; ++i) EXPECT_EQ(sums[i], 10.0 * kLanes * i + kLanes * (kLanes - 1) / 2);
+// Control points of each quad of the first chunk.
+std::vector<std::set<int>> control_points_of(const PointPacks& packs) {
+  std::vector<std::set<int>> out;
+  packs.each([&](const PointPack& p, const PointPack*) {
+    for (int q = 0; q < kQuads; ++q) {
+      out.emplace_back();
+      for (const auto& slots : p.slots) out.back().insert(slots[q]);
+    }
+  });
+  return out;
+}
+
+TEST(PointPacks, HavePointsOfOneSideOfACrackInOneQuad) {
+  Sheet s;
+  for (std::size_t i = 0; i < s.points.size(); ++i)  // in turns of the left and the right half of the sheet
+    s.points[i] = s.point(2, i % 2 == 0 ? static_cast<int>(i % 4) : 14 + static_cast<int>(i % 4), true);
+  PointPacks packs;
+  packs.update(s.t, s.points, 0);
+  int quads = 0;
+  for (const std::set<int>& used : control_points_of(packs)) {
+    ++quads;
+    EXPECT_LE(used.size(), 15u);  // of two elements that share a column; two sides have 18
+  }
+  EXPECT_GT(quads, 4);
+}
+
+TEST(PointPacks, StayWhereNoPointChanges) {
+  Sheet s;
+  PointPacks packs;
+  packs.update(s.t, s.points, 0);
+  const auto places = [&] {
+    std::set<const void*> all;
+    packs.each([&](const PointPack& p, const PointPack*) {
+      if (std::find(p.index.begin(), p.index.end(), 11u) == p.index.end()) all.insert(p.narrow.data());
+    });
+    return all;
+  };
+  const std::set<const void*> before = places();
+  const auto stamps_but = [&] {
+    std::set<std::uint64_t> all;
+    packs.each([&](const PointPack& p, const PointPack*) { all.insert(p.stamp.begin(), p.stamp.end()); });
+    return all;
+  };
+  const std::set<std::uint64_t> old = stamps_but();
+  s.points[11].stamp = fresh_stamp();
+  packs.update(s.t, s.points, 0);
+  EXPECT_EQ(places(), before);
+  const std::set<std::uint64_t> now = stamps_but();
+  EXPECT_EQ(now.count(s.points[11].stamp), 1u);
+  EXPECT_EQ(now.size(), old.size());
 }
 
 }  // namespace
