@@ -53,8 +53,9 @@ void round_to_units(std::vector<GatheredFunction>& functions) {
 void PointPacks::update(const RowTables& t, const std::vector<GatheredPoint>& points, std::size_t chunk) {
   constexpr std::size_t kTurn = kPointRun * kPointChunks;
   const std::size_t first = chunk * kPointRun;
-  runs_.resize(points.size() > first ? (points.size() - first + kTurn - 1) / kTurn : 0);
-  bool any = false;
+  const std::size_t count = points.size() > first ? (points.size() - first + kTurn - 1) / kTurn : 0;
+  bool any = runs_.size() != count;
+  runs_.resize(count);
   for (std::size_t r = 0; r < runs_.size(); ++r) {
     const std::size_t begin = first + r * kTurn, end = std::min(begin + kPointRun, points.size());
     std::array<std::uint64_t, kPointRun> stamp{};
