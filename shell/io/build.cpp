@@ -221,17 +221,11 @@ void check_pairs(const scene::LoadedScene& scene, const RunSetup& r) {
   }
 }
 
-}  // namespace
+// Groups of contact by name, in the order in which they were met.
+using Groups = std::map<std::string, std::uint32_t>;
 
-double RunSetup::thickness() const {
-  double least = 0.0;
-  for (const ShellSetup& s : shells) least = least == 0.0 ? s.model.thickness : std::min(least, s.model.thickness);
-  return least;
-}
-
-RunSetup build(const scene::LoadedScene& scene) {
-  const proto::Scene& m = scene.message;
-  RunSetup r;
+// Times and intervals, gravity, and when cracking ends.
+void set_times(const proto::Scene& m, RunSetup& r) {
   r.name = m.name();
   r.end_time = m.end_time_s(), r.window = m.window_s();
   if (scene::is_static(m)) {  // the number of a step takes the place of time
@@ -258,9 +252,32 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.quiet_growth = m.fracture().has_quiet_growth() ? m.fracture().quiet_growth() : kQuietGrowth;
   r.latest_freeze = m.fracture().has_latest_freeze_s() ? m.fracture().latest_freeze_s() : r.end_time;
   r.seed = static_cast<std::uint64_t>(m.fracture().seed());
-  std::map<std::string, std::uint32_t> groups;
-  CadFiles files;
-  const std::vector<ScenePart> parts = scene_parts(scene, files);
+}
+
+// Probes of points of the shell `i`.
+void add_probes(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, int i, RunSetup& r) {
+  const proto::Scene& m = scene.message;
+  const ShellModel& s = r.shells[i].model;
+  for (int k = 0; k < m.output().probes_size(); ++k) {
+    const auto& p = m.output().probes(k);
+    const std::string field = fmt::format("output.probes[{}]", k);
+    if (p.shell().empty() || shell_named(scene, parts, field + ".shell", p.shell()) != i) continue;
+    const Vec2 at = moved_onto_edges(s.patch, {p.at().u(), p.at().v()});
+    scene.check(s.patch.contains(at), field + ".at", "({:.9g}, {:.9g}) lies outside the patch, whose parameters run {}",
+                at.x(), at.y(), parameter_range(s.patch));
+    scene.check(s.trim.empty() || s.trim.loops.contains(at), field + ".at",
+                "({:.9g}, {:.9g}) lies outside the trims of shell '{}'; take a place inside", at.x(), at.y(), s.name);
+    Probe& probe = r.probes.emplace_back(Probe{p.name(), i, at});
+    for (int b = 0; b < m.bodies_size(); ++b)
+      if (m.bodies(b).name() == p.body()) probe.body = b;
+    if (!p.other_shell().empty()) probe.other = shell_named(scene, parts, field + ".other_shell", p.other_shell());
+    for (const int wanted : p.fields()) probe.fields.add(wanted);
+  }
+}
+
+void add_shells(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, CadFiles& files, Groups& groups,
+                RunSetup& r) {
+  const proto::Scene& m = scene.message;
   for (int i = 0; i < static_cast<int>(parts.size()); ++i) {
     r.shells.push_back(
         make_setup(scene, parts[i].message, fmt::format("shells[{}]", parts[i].shell), files, parts[i].part));
@@ -268,35 +285,15 @@ RunSetup build(const scene::LoadedScene& scene) {
     // Faces of one shell are one group.
     s.contact_group =
         groups.try_emplace(m.shells(parts[i].shell).name(), static_cast<std::uint32_t>(groups.size())).first->second;
-    for (int k = 0; k < m.output().probes_size(); ++k) {
-      const auto& p = m.output().probes(k);
-      const std::string field = fmt::format("output.probes[{}]", k);
-      if (p.shell().empty() || shell_named(scene, parts, field + ".shell", p.shell()) != i) continue;
-      const Vec2 at = moved_onto_edges(s.patch, {p.at().u(), p.at().v()});
-      scene.check(s.patch.contains(at), field + ".at",
-                  "({:.9g}, {:.9g}) lies outside the patch, whose parameters run {}", at.x(), at.y(),
-                  parameter_range(s.patch));
-      scene.check(s.trim.empty() || s.trim.loops.contains(at), field + ".at",
-                  "({:.9g}, {:.9g}) lies outside the trims of shell '{}'; take a place inside", at.x(), at.y(), s.name);
-      Probe& probe = r.probes.emplace_back(Probe{p.name(), i, at});
-      for (int b = 0; b < m.bodies_size(); ++b)
-        if (m.bodies(b).name() == p.body()) probe.body = b;
-      if (!p.other_shell().empty()) probe.other = shell_named(scene, parts, field + ".other_shell", p.other_shell());
-      for (const int wanted : p.fields()) probe.fields.add(wanted);
-    }
+    add_probes(scene, parts, i, r);
     r.last_change = std::max(r.last_change, s.loads.last_change());
     for (const SupportStage& stage : s.releases) r.last_change = std::max(r.last_change, stage.from);
     for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
   }
-  check_boxes(scene, parts, r);
-  add_space_cuts(scene, parts, r);
-  std::vector<const proto::Shell*> messages;
-  for (const ScenePart& part : parts) messages.push_back(&part.message);
-  check_space_lines(scene, messages, r.models());
-  const bool several = r.shells.size() > static_cast<std::size_t>(m.shells_size());
-  if (m.has_seams() || several) r.stitches = make_stitches(scene, parts, files, r);
-  if (several) check_joined(scene, parts, files, r);
-  check_pairs(scene, r);
+}
+
+// What seams mean for the shells that they join: edges and ties that cracks meet, and shells that may part there.
+void note_seams(RunSetup& r) {
   for (const Seam& seam : r.stitches.seams)
     if (seam.join == Join::kClamped)
       r.shells[seam.first].model.joined |= seam.first_edge, r.shells[seam.second].model.joined |= seam.second_edge;
@@ -310,6 +307,10 @@ RunSetup build(const scene::LoadedScene& scene) {
   for (const Seam& seam : r.stitches.seams)
     if (seam.strength > 0.0) beside.emplace_back(seam.first, seam.second);
   for (const auto& [a, b] : beside) r.shells[a].seam_may_part = r.shells[b].seam_may_part = true;
+}
+
+// Ends of cuts on edges that seams join stay there.
+void settle_cuts(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, RunSetup& r) {
   for (std::size_t k = 0; k < r.shells.size(); ++k) {
     int seamed = 0;
     for (const Seam& seam : r.stitches.seams)
@@ -320,6 +321,28 @@ RunSetup build(const scene::LoadedScene& scene) {
       settle_edges(scene, r.shells[k].model, seamed, fmt::format("shells[{}].cuts[{}]", parts[k].shell, cuts[i].number),
                    cuts[i]);
   }
+}
+
+// Throws Error where a body is too small for the Gauss points of a shell, or starts inside it.
+void check_start(const scene::LoadedScene& scene, const proto::Body& message, const std::string& field,
+                 const RigidBody& b, const ShellModel& s) {
+  const Proxy proxy(b);
+  const double extent = proxy.half_width();
+  scene.check(extent >= 0.5 * s.spacing, field,
+              "'{}' is {:.3g} m in half, less than half a spacing of shell '{}' ({:.3g} m), whose contact is felt at "
+              "its Gauss points: it could pass between them; take more elements",
+              b.name, extent, s.name, s.spacing);
+  double least = 1e300;
+  for (int q = 0; q < s.tables.blocks(); ++q)
+    for (int e = 0; e < s.tables.spans_u; ++e)
+      if (const GaussPoint g = gauss_point(s.patch, s.tables, q, e); g.weight > 0.0)
+        least = std::min(least, proxy.distance(s.patch.evaluate(g.parameter).x).value);
+  scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + (message.motion_size() > 0 ? ".motion" : ".pose"),
+              "'{}' starts {:.3g} m inside shell '{}'; move it away", b.name, 0.5 * s.thickness - least, s.name);
+}
+
+void add_bodies(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, Groups& groups, RunSetup& r) {
+  const proto::Scene& m = scene.message;
   double least_window = 0.0;  // about the stable step [s]
   for (const ShellSetup& s : r.shells) least_window = std::max(least_window, s.model.spacing / s.model.wave_speed());
   for (int i = 0; i < m.bodies_size(); ++i) {
@@ -329,38 +352,24 @@ RunSetup build(const scene::LoadedScene& scene) {
     r.driven.push_back(make_driven(scene, field, m.bodies(i), least_window, b));
     if (r.driven.back()) r.last_change = std::max(r.last_change, r.driven.back()->last());
     groups[b.name] = b.contact_group = static_cast<std::uint32_t>(groups.size());
-    for (const ShellSetup& shell : r.shells) {
-      const ShellModel& s = shell.model;
-      const Proxy proxy(b);
-      const double extent = proxy.half_width();
-      scene.check(
-          extent >= 0.5 * s.spacing, field,
-          "'{}' is {:.3g} m in half, less than half a spacing of shell '{}' ({:.3g} m), whose contact is felt at "
-          "its Gauss points: it could pass between them; take more elements",
-          b.name, extent, s.name, s.spacing);
-      double least = 1e300;
-      for (int q = 0; q < s.tables.blocks(); ++q)
-        for (int e = 0; e < s.tables.spans_u; ++e)
-          if (const GaussPoint g = gauss_point(s.patch, s.tables, q, e); g.weight > 0.0)
-            least = std::min(least, proxy.distance(s.patch.evaluate(g.parameter).x).value);
-      scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9),
-                  field + (m.bodies(i).motion_size() > 0 ? ".motion" : ".pose"),
-                  "'{}' starts {:.3g} m inside shell '{}'; move it away", b.name, 0.5 * s.thickness - least, s.name);
-    }
+    for (const ShellSetup& shell : r.shells) check_start(scene, m.bodies(i), field, b, shell.model);
     r.bodies.push_back(std::move(b));
   }
-  set_driven_masses(r);
-  build_soft(
-      scene, [&](const std::string& name) { return groups[name] = static_cast<std::uint32_t>(groups.size()); }, r);
+}
+
+// Joints, and probes of bodies alone.
+void add_joints(const proto::Scene& m, RunSetup& r) {
   for (const proto::BodyJoint& j : m.joints())
     r.joints.push_back(make_joint(j, static_cast<std::uint32_t>(r.joints.size() + 1), r.bodies)),
         r.breaks.push_back(make_break(j.breaks()));
   for (const auto& p : m.output().probes())
     for (int i = 0; i < m.bodies_size(); ++i)
       if (p.shell().empty() && m.bodies(i).name() == p.body()) r.probes.push_back({p.name(), -1, Vec2::Zero(), i});
-  for (ShellSetup& shell : r.shells) shell.hertz.assign(r.bodies.size(), 0.0);
-  for (int k = 0; k < m.contacts_size(); ++k)
-    if (m.contacts(k).has_hertz()) add_hertz(scene, m.contacts(k), fmt::format("contacts[{}].hertz", k), r);
+}
+
+// Whether shells may touch one another or themselves, by contact or by fibres.
+void set_shell_contact(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, RunSetup& r) {
+  const proto::Scene& m = scene.message;
   r.shells_meet = r.shells.size() > 1;
   for (const auto& c : m.contacts())  // self-contact of a single shell, where the scene has a law for it
     r.shells_meet = r.shells_meet || (!c.first().empty() && c.first() == c.second() && !r.shells.empty() &&
@@ -373,6 +382,10 @@ RunSetup build(const scene::LoadedScene& scene) {
     r.shells_meet =
         std::any_of(r.shells.begin(), r.shells.end(), [](const ShellSetup& s) { return !s.model.has_fibres(); });
   }
+}
+
+// The law of each pair of groups.
+void set_laws(const proto::Scene& m, Groups& groups, RunSetup& r) {
   ContactLaw fallback;
   for (const auto& c : m.contacts())
     if (c.first().empty()) {
@@ -390,6 +403,45 @@ RunSetup build(const scene::LoadedScene& scene) {
         if (c.has_restitution()) law.restitution = c.restitution();
       }
   }
+}
+
+}  // namespace
+
+double RunSetup::thickness() const {
+  double least = 0.0;
+  for (const ShellSetup& s : shells) least = least == 0.0 ? s.model.thickness : std::min(least, s.model.thickness);
+  return least;
+}
+
+RunSetup build(const scene::LoadedScene& scene) {
+  const proto::Scene& m = scene.message;
+  RunSetup r;
+  set_times(m, r);
+  Groups groups;
+  CadFiles files;
+  const std::vector<ScenePart> parts = scene_parts(scene, files);
+  add_shells(scene, parts, files, groups, r);
+  check_boxes(scene, parts, r);
+  add_space_cuts(scene, parts, r);
+  std::vector<const proto::Shell*> messages;
+  for (const ScenePart& part : parts) messages.push_back(&part.message);
+  check_space_lines(scene, messages, r.models());
+  const bool several = r.shells.size() > static_cast<std::size_t>(m.shells_size());
+  if (m.has_seams() || several) r.stitches = make_stitches(scene, parts, files, r);
+  if (several) check_joined(scene, parts, files, r);
+  check_pairs(scene, r);
+  note_seams(r);
+  settle_cuts(scene, parts, r);
+  add_bodies(scene, parts, groups, r);
+  set_driven_masses(r);
+  build_soft(
+      scene, [&](const std::string& name) { return groups[name] = static_cast<std::uint32_t>(groups.size()); }, r);
+  add_joints(m, r);
+  for (ShellSetup& shell : r.shells) shell.hertz.assign(r.bodies.size(), 0.0);
+  for (int k = 0; k < m.contacts_size(); ++k)
+    if (m.contacts(k).has_hertz()) add_hertz(scene, m.contacts(k), fmt::format("contacts[{}].hertz", k), r);
+  set_shell_contact(scene, parts, r);
+  set_laws(m, groups, r);
   return r;
 }
 
