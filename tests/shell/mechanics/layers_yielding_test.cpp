@@ -219,3 +219,43 @@ TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
         EXPECT_NEAR(mises(face) / (times * kSteel.yield_stress), std::sqrt(1.0 - 0.3 + 0.09) / (1.0 - 0.09), 0.01);
   }
 }
+
+// The moment of a laminate that is bent to a cylinder, by the work of the forces of all control points. Elastic plies
+// have E' I; at last each ply has one sign through its thickness, so the moment is 2 / sqrt(3) yield t (t + core) in
+// plane strain; and unloading is elastic.
+TEST(Plasticity, ALaminateIsBentUpToItsLimitMoment) {
+  constexpr double kSide = 0.02, kPly = 0.004, kCore = 0.002, kYoung = 2e11, kPoisson = 0.3, kFlow = 2e5;
+  ShellMaterial material;
+  material.density = 7800, material.youngs_modulus = kYoung, material.poisson_ratio = kPoisson;
+  material.yield_stress = kFlow, material.interlayer = {kCore, 1100.0, 1e6, 0.45};
+  const ShellModel m = make_shell("l", plate(kSide, kSide, 6, 6, Vec3::Zero(), Quat::Identity()), 2.0 * kPly + kCore,
+                                  material, 4, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  const std::vector<double>& knots = m.patch.knots_u.knots();
+  const auto half_square = [&](int i) {  // of x, as a quadratic B-spline: its blossom at two knots
+    const int column = i % m.tables.columns;
+    return 0.5 * (knots[column + 1] - 0.5 * kSide) * (knots[column + 2] - 0.5 * kSide);
+  };
+  const auto moment = [&](double curvature) {  // [N], per width
+    const std::size_t z = 2 * static_cast<std::size_t>(m.tables.component_stride);
+    for (int i = 0; i < m.control_points(); ++i)
+      s.motion.x[z + m.tables.slot(i)] = m.rest[z + m.tables.slot(i)] + curvature * half_square(i);
+    compute_forces(m, s, false, 1.0, 1);
+    double work = 0.0;
+    for (int i = 0; i < m.control_points(); ++i) work -= s.motion.force[z + m.tables.slot(i)] * half_square(i);
+    return work / (kSide * kSide);
+  };
+  const double plane = kYoung / (1.0 - kPoisson * kPoisson), face = kPly + 0.5 * kCore;
+  const double second = (std::pow(2.0 * face, 3) - std::pow(kCore, 3)) / 12.0;
+  const double first = kFlow / (plane * face * std::sqrt(1.0 - kPoisson + kPoisson * kPoisson));  // yield begins [1/m]
+  // the surface is stretched by half the square of its slope, a thousandth of a face's strain at most
+  EXPECT_NEAR(moment(0.6 * first), plane * second * 0.6 * first, 1e-3 * plane * second * first);
+  EXPECT_EQ(s.book.plastic, 0.0);
+  const double limit = 2.0 / std::sqrt(3.0) * kFlow * kPly * (kPly + kCore);
+  double most = 0.0;
+  constexpr int kSteps = 400;
+  for (int k = 1; k <= kSteps; ++k) most = moment(first * (1.0 + 29.0 * k / kSteps));
+  EXPECT_NEAR(most / limit, 1.0, 0.01);  // at 30 times first yield, the inmost layers at seven times
+  EXPECT_NEAR(most - moment(first * 29.5), plane * second * 0.5 * first, 2e-3 * limit);
+  EXPECT_GT(s.book.plastic, 0.9 * limit * 25.0 * first * kSide * kSide);
+}
