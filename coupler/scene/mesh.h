@@ -43,6 +43,8 @@ struct Polygon {
   std::vector<int> corners;  // indices of the file's points, from 0
   int line = 0;              // of the file, or its number among the faces, from 1
   int tag = -1;              // index of a FaceTag; -1: none
+  std::vector<int>
+      texture{};  // of each corner: index of its texture coordinates, from 0; -1: none; empty: no corner has
 };
 /// What an OBJ file says of faces.
 struct FaceTag {
@@ -67,6 +69,8 @@ struct FileSurface {
   std::vector<Vec3> colours;  // of points: red, green, blue, 1 is full; empty: none. A point without has no numbers
   std::string word;           // what lines count
   int faces = 0;
+  // Texture coordinates of corner k of triangle t, at 3 t + k; NaN: none. Empty: the file has none.
+  std::vector<Vec2> texture{};
 };
 /// Reads the faces of a file; `unit` is its unit of length [m], `field` the mesh. Throws Error (bad_scene).
 FileSurface read_surface(const LoadedScene& scene, const std::string& field, const std::string& path, double unit);

@@ -25,6 +25,7 @@ struct MeshFile {
   std::string place = "line";  // of polygons: what their numbers count
   std::vector<FaceTag> tags{};
   std::vector<Vec3> colours{};  // as in FileSurface; of the points up to the last one that has a colour
+  std::vector<Vec2> texture{};  // coordinates, as the file numbers them
 
   /// Gives the last point a colour.
   void colour(const Vec3& rgb);

@@ -152,6 +152,22 @@ class Tags {
 
 }  // namespace
 
+namespace {
+
+// Index of the texture coordinates of a corner "point/texture" or "point/texture/normal"; -1: it has none.
+int texture_of(const MeshFile& mesh, const std::string& word, const std::string& where) {
+  const std::size_t slash = word.find('/');
+  if (slash == std::string::npos || slash + 1 == word.size() || word[slash + 1] == '/') return -1;
+  const long index = std::strtol(word.c_str() + slash + 1, nullptr, 10), known = static_cast<long>(mesh.texture.size());
+  if (index == 0 || index < -known || index > known)
+    mesh.fail_at(where, fmt::format("'{}' has texture coordinates {}, none of the {} vt before it, which count from 1; "
+                                    "export the file again, or without texture coordinates",
+                                    word, index, known));
+  return static_cast<int>(index > 0 ? index - 1 : known + index);
+}
+
+}  // namespace
+
 void read_obj(MeshFile& mesh) {
   Lines in(mesh, true);
   Tags tags(mesh);
@@ -160,6 +176,12 @@ void read_obj(MeshFile& mesh) {
     std::string kind;
     words >> kind;
     if (kind == "v") in.point(words), in.colour(words);
+    if (kind == "vt") {
+      Vec2 uv = Vec2::Zero();
+      if (!(words >> uv.x())) in.fail("is no texture coordinate of one to three numbers");
+      words >> uv.y();  // 0 where it is left out
+      mesh.texture.push_back(uv);
+    }
     tags.read(kind, words);
     if (kind != "f" || !mesh.with_faces) continue;
     Polygon polygon{{}, in.number(), tags.now()};
@@ -169,6 +191,7 @@ void read_obj(MeshFile& mesh) {
         mesh.fail_at(in.where(),
                      fmt::format("'{}' is none of the {} points before it, which count from 1", word, points));
       polygon.corners.push_back(static_cast<int>(corner > 0 ? corner - 1 : points + corner));
+      polygon.texture.push_back(texture_of(mesh, word, in.where()));
     }
     mesh.polygons.push_back(std::move(polygon));
   }

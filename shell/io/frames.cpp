@@ -164,7 +164,7 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
     mesh.points.push_back(c.x);
     velocity.values.insert(velocity.values.end(), {c.v.x(), c.v.y(), c.v.z()});
     displacement.values.insert(displacement.values.end(), {c.u.x(), c.u.y(), c.u.z()});
-    const Vec2 share = unit_parameter(m, p);
+    const Vec2 share = drawn_parameter(m, p);
     uv.values.insert(uv.values.end(), {share.x(), share.y()});
     return static_cast<int>(mesh.points.size()) - 1;
   };

@@ -116,7 +116,21 @@ ShellMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& fi
   } catch (const Error& e) {
     scene.fail(field + ".path", fmt::format("'{}' {}", m.path(), e.what()));
   }
+  for (const auto& corners : out.mesh.corner_of_file)
+    for (std::size_t k = 0; k < corners.size() && !file.texture.empty(); ++k)
+      out.texture.push_back(file.texture[corners[k]]);
   return out;
+}
+
+std::function<Vec2(const Vec2&)> MeshShells::texture_map(int chart) const {
+  const std::vector<PlacedTriangle>& placed = charts.patches[chart].placed;
+  const auto has = [&](const PlacedTriangle& t) {
+    return std::none_of(&texture[0][3 * t.triangle], &texture[0][3 * t.triangle] + 3,
+                        [](double u) { return std::isnan(u); });
+  };
+  if (texture[0].empty() || placed.empty() || !std::all_of(placed.begin(), placed.end(), has)) return {};
+  const std::array<Paint, 2> along{Paint::of_corners(placed, texture[0]), Paint::of_corners(placed, texture[1])};
+  return [along](const Vec2& p) { return Vec2(along[0].at(p), along[1].at(p)); };
 }
 
 std::string unit_warning(const std::string& path, double size, const std::string& option) {
@@ -141,9 +155,10 @@ std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, c
   ShellMesh read = read_shell_mesh(scene, field, m);
   if (m.has_strength_paint()) out->factors = factors_of(scene, field + ".strength_paint", m, read);
   out->mesh = std::move(read.mesh);
+  for (const Vec2& uv : read.texture) out->texture[0].push_back(uv.x()), out->texture[1].push_back(uv.y());
   try {
     out->charts = patches_of(out->mesh, {m.element_m(), crease_of(m) * kDegreeOfMesh, m.has_degree() ? m.degree() : 2,
-                                         out->mesh.part, m.has_strength_paint()});
+                                         out->mesh.part, m.has_strength_paint() || !read.texture.empty()});
   } catch (const Error& e) {
     scene.fail(field + ".path", fmt::format("'{}': {}", m.path(), e.what()));
   }

@@ -1,5 +1,7 @@
 #pragma once
 // Shells of a mesh file: a chart each.
+#include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,9 +20,13 @@ struct MeshShells {
   MeshPatches charts;
   std::vector<CadSurface> surfaces;  // [chart]
   std::vector<double> factors;       // of the strength at each point of the mesh; empty: no paint
+  // Texture coordinates of corner k of triangle t of the mesh, at 3 t + k; empty: the file has none.
+  std::array<std::vector<double>, 2> texture;
 
   /// Factors of the strength over a chart.
   Paint paint(int chart) const { return {charts.patches[chart].placed, factors}; }
+  /// Texture coordinates over a chart by its parameters; null where the file has none for a face of the chart.
+  std::function<Vec2(const Vec2&)> texture_map(int chart) const;
 };
 
 /// Faces of a file with a name.
@@ -35,6 +41,7 @@ struct ShellMesh {
   int faces = 0;                           // of the file
   std::vector<NamedFaces> groups, usemtl;  // of an OBJ file, in its order
   std::vector<Vec3> colours;               // as FileSurface has them
+  std::vector<Vec2> texture;               // as MeshShells, NaN: none
 };
 
 /// Reads the file, with `up` and unit applied, but not the pose. `field` is that of the mesh. Throws Error with file,

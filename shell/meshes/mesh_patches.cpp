@@ -274,7 +274,7 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
     if (rules.placed)
       for (const int t : one.flat.triangles) {
         const auto& [a, b, c] = m.triangles[t];
-        own.placed.push_back({{at.at[a], at.at[b], at.at[c]}, m.triangles[t]});
+        own.placed.push_back({{at.at[a], at.at[b], at.at[c]}, m.triangles[t], t});
       }
     own.patch = at.patch;
     out.patches.push_back(std::move(own));

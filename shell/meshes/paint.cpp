@@ -15,11 +15,12 @@ constexpr int kMostPaintCells = 4096;  // along a parameter
 
 }  // namespace
 
-Paint::Paint(const std::vector<PlacedTriangle>& triangles, const std::vector<double>& values) {
+template <class Value>
+void Paint::add(const std::vector<PlacedTriangle>& triangles, Value&& value) {
   Eigen::AlignedBox2d box;
   for (const PlacedTriangle& t : triangles) {
     Painted& own = triangles_.emplace_back(Painted{t.at, {}});
-    for (int k = 0; k < 3; ++k) own.value[k] = values[t.points[k]], box.extend(t.at[k]);
+    for (int k = 0; k < 3; ++k) own.value[k] = value(t, k), box.extend(t.at[k]);
   }
   low_ = box.min();
   cell_ = std::max(std::sqrt(box.sizes().prod() / static_cast<double>(triangles.size())),
@@ -34,6 +35,16 @@ Paint::Paint(const std::vector<PlacedTriangle>& triangles, const std::vector<dou
       for (int i = low[0]; i <= high[0]; ++i)
         inside_[static_cast<std::size_t>(j) * cells_[0] + i].push_back(static_cast<int>(k));
   }
+}
+
+Paint::Paint(const std::vector<PlacedTriangle>& triangles, const std::vector<double>& values) {
+  add(triangles, [&](const PlacedTriangle& t, int k) { return values[t.points[k]]; });
+}
+
+Paint Paint::of_corners(const std::vector<PlacedTriangle>& triangles, const std::vector<double>& values) {
+  Paint out;
+  out.add(triangles, [&](const PlacedTriangle& t, int k) { return values[3 * t.triangle + k]; });
+  return out;
 }
 
 std::array<int, 2> Paint::cell_of(const Vec2& p) const {

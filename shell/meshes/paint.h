@@ -11,13 +11,17 @@ namespace sunder::shell {
 struct PlacedTriangle {
   std::array<Vec2, 3> at{};
   std::array<int, 3> points{};  // of the mesh
+  int triangle = 0;             // of the mesh
 };
 
-/// Values at points of a mesh, linear over triangles. Beyond all triangles the value is that of the nearest place.
+/// Values at points of a mesh, or at corners of its triangles, linear over triangles. Beyond all triangles the value is
+/// that of the nearest place.
 class Paint {
  public:
   /// `values`: of each point of the mesh. There is at least one triangle.
   Paint(const std::vector<PlacedTriangle>& triangles, const std::vector<double>& values);
+  /// `values`: of corner k of triangle t of the mesh, at 3 t + k.
+  static Paint of_corners(const std::vector<PlacedTriangle>& triangles, const std::vector<double>& values);
   double at(const Vec2& p) const;
 
  private:
@@ -25,6 +29,9 @@ class Paint {
     std::array<Vec2, 3> at;
     std::array<double, 3> value;
   };
+  Paint() = default;
+  template <class Value>
+  void add(const std::vector<PlacedTriangle>& triangles, Value&& value);  // value(triangle, corner)
   std::array<int, 2> cell_of(const Vec2& p) const;
   double value_near(const Painted& t, const Vec2& p, double& away) const;
 

@@ -96,7 +96,8 @@ void turn_alike(TriangleMesh& m, const MeshEdgeMap& edges, const std::vector<int
     ++m.components;
   }
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
-    if (turned[t]) std::swap(m.triangles[t][1], m.triangles[t][2]);
+    if (turned[t])
+      std::swap(m.triangles[t][1], m.triangles[t][2]), std::swap(m.corner_of_file[t][1], m.corner_of_file[t][2]);
 }
 
 MeshEdgeMap edge_map(const TriangleMesh& m) {
@@ -167,6 +168,8 @@ TriangleMesh make_triangle_mesh(const std::vector<Vec3>& points, const std::vect
       own[k] = number[own[k]];
     }
     m.triangles.push_back(own), m.part.push_back(t.part), lines.push_back(t.line);
+    const int first = 3 * static_cast<int>(&t - triangles.data());
+    m.corner_of_file.push_back({first, first + 1, first + 2});
   }
   check(flat.empty(), "{} {}: the face at {} has no area, the first of {}; leave them out", word,
         flat.empty() ? 0 : flat[0].first, at(flat.empty() ? Vec3() : flat[0].second), flat.size());

@@ -24,6 +24,8 @@ struct TriangleMesh {
   std::vector<int> component;                 // of each triangle
   std::vector<int> part;                      // of each triangle, as the file's triangles have it
   std::vector<int> of_file;                   // number of each point in the file, the first of those that became one
+  std::vector<std::array<int, 3>>
+      corner_of_file;  // of each triangle's corners: 3 t + k for corner k of file triangle t
   int components = 0;
   int turned = 0;   // triangles that the file had the other way round
   int welded = 0;   // points that were merged with others

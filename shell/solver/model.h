@@ -1,5 +1,6 @@
 #pragma once
 // The constant part of one shell.
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -78,7 +79,9 @@ struct ShellModel {
   double spacing_u = 0.0, spacing_v = 0.0;
   // Factor of the strength, [block][lane]; empty: 1 everywhere. The fracture energy scales with its square.
   std::vector<float> strength_factor{};
-  Trimming trim{};    // what trim loops leave; empty: the patch is whole
+  Trimming trim{};  // what trim loops leave; empty: the patch is whole
+  // Texture coordinates that its mesh file has at a parameter, for frames; empty: none.
+  std::function<Vec2(const Vec2&)> texture{};
   FibreLaw fibres{};  // shear and compression through the thickness, for contact between shells with fibres
 
   bool has_fibres() const { return fibres.compression > 0.0; }

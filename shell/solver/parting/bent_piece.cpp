@@ -257,7 +257,7 @@ void add_rest(const ShellModel& m, const std::vector<Vec2>& parameters, DrawnMes
     const SurfacePoint q = m.patch.evaluate(p);
     const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
     drawn.rest.push_back(q.x - n), drawn.rest.push_back(q.x + n);
-    drawn.uv.insert(drawn.uv.end(), 2, unit_parameter(m, p));
+    drawn.uv.insert(drawn.uv.end(), 2, drawn_parameter(m, p));
   }
 }
 

@@ -13,7 +13,8 @@ struct DrawnMesh {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
   std::vector<Vec3> rest{};  // of each point, its place on a face of the shell at rest, in the world [m]
-  std::vector<Vec2> uv{};    // and the parameters of that place, 0 to 1 over the patch [-]
+  std::vector<Vec2> uv{};    // and the drawn_parameter() of that place [-]
+  std::vector<int> shell{};  // of each triangle, the number of its shell
 };
 
 /// Mass, momentum and angular momentum about the origin of all control points, and the sums of the terms' magnitudes,

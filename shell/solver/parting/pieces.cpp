@@ -8,7 +8,8 @@ Eigen::AlignedBox2d domain_of(const ShellModel& m) {
   return {Vec2(u.begin(), v.begin()), Vec2(u.end(), v.end())};
 }
 
-Vec2 unit_parameter(const ShellModel& m, const Vec2& p) {
+Vec2 drawn_parameter(const ShellModel& m, const Vec2& p) {
+  if (m.texture) return m.texture(p);
   const Eigen::AlignedBox2d domain = domain_of(m);
   return (p - domain.min()).cwiseQuotient(domain.sizes());
 }

@@ -23,8 +23,9 @@ struct Piece {
 
 /// Returns the parameter domain of a patch.
 Eigen::AlignedBox2d domain_of(const ShellModel& model);
-/// Returns a parameter [m] as a share of the domain, 0 to 1 along each direction.
-Vec2 unit_parameter(const ShellModel& model, const Vec2& parameter);
+/// Returns what frames show of a parameter [m]: its share of the domain, 0 to 1 along each direction, or the texture
+/// coordinates that the model's mesh file has there.
+Vec2 drawn_parameter(const ShellModel& model, const Vec2& parameter);
 /// Triangulates the patch with the present cracks, and with knots in the boxes `knots_in`; control points are assigned
 /// to pieces. A border control point that a crack along a clamp has parted belongs to no piece.
 Triangulation triangulated(const ShellModel& model, const ShellState& state,

@@ -5,6 +5,7 @@
 
 #include "shell/io/check.h"
 #include "shell/io/inspect_mesh.h"
+#include "shell/solver/parting/pieces.h"
 #include "tests/shell/io/mesh_scene.h"
 
 using namespace sunder;
@@ -46,6 +47,62 @@ TEST_F(MeshParts, AllFormatsGiveTheSameShell) {
     EXPECT_EQ(r.shells[0].model.control_points(), 12 * 7);
     EXPECT_NEAR(area(r), 2.0, 1e-9);
   }
+}
+
+// A lattice with texture coordinates (0.3 + 0.5 x, 0.9 - 0.7 y), every second face turned over, and counted back from
+// the last one in the other half.
+std::string textured(double without_beyond) {
+  const Triangles t = lattice_sheet();
+  std::string out;
+  for (const Vec3& x : t.points)
+    out += fmt::format("v {:.17g} {:.17g} 0\nvt {:.17g} {:.17g}\n", x.x(), x.y(), 0.3 + 0.5 * x.x(), 0.9 - 0.7 * x.y());
+  const int points = static_cast<int>(t.points.size());
+  for (std::size_t k = 0; k < t.faces.size(); ++k) {
+    auto c = t.faces[k].corners;
+    if (k % 2 == 0) std::swap(c[1], c[2]);
+    const bool has = t.points[c[0]].x() <= without_beyond;
+    const auto corner = [&](int i) {
+      const std::string vt = has ? fmt::format("{}", k % 2 == 0 ? c[i] + 1 : c[i] - points) : "";
+      return fmt::format("{}/{}/", c[i] + 1, vt);
+    };
+    out += fmt::format("f {} {} {}\n", corner(0), corner(1), corner(2));
+  }
+  return out;
+}
+
+TEST_F(MeshParts, TextureCoordinatesOfAnObjFileAreThoseOfFrames) {
+  write("a.obj", textured(1e9));
+  const RunSetup r = setup("path: 'a.obj' element_m: 0.1 pose { position { z: 2 } }");
+  ASSERT_EQ(r.shells.size(), 1u);
+  const ShellModel& m = r.shells[0].model;
+  const double u = m.patch.knots_u.end(), v = m.patch.knots_v.end();
+  for (const Vec2& share : {Vec2(0, 0), Vec2(1, 1), Vec2(0.37, 0.61), Vec2(0.93, 0.02)}) {
+    const Vec2 p(share.x() * u, share.y() * v);
+    const Vec3 x = m.patch.evaluate(p).x;
+    EXPECT_LT((drawn_parameter(m, p) - Vec2(0.3 + 0.5 * x.x(), 0.9 - 0.7 * x.y())).norm(), 1e-9) << share.transpose();
+  }
+}
+
+TEST_F(MeshParts, AChartWithAFaceWithoutTextureCoordinatesHasParameters) {
+  write("a.obj", textured(0.9));
+  const RunSetup r = setup("path: 'a.obj' element_m: 0.1");
+  const ShellModel& m = r.shells[0].model;
+  const Vec2 whole(m.patch.knots_u.end(), m.patch.knots_v.end());
+  EXPECT_LT((drawn_parameter(m, 0.25 * whole) - Vec2(0.25, 0.25)).norm(), 1e-12);
+}
+
+TEST_F(MeshParts, TextureCoordinatesThatAreNotThereAreRefusedWithTheirLine) {
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\n";
+  for (const char* corner : {"3/3", "3/-3", "3/0", "3/3/1"}) {
+    write("b.obj", points + "f 1/1 2/2 " + corner + "\n");
+    const std::string told = refusal("path: 'b.obj' element_m: 0.2");
+    expect_part(told, "line 6");
+    expect_part(told, "none of the 2 vt before it");
+  }
+  write("b.obj", points + "vt none\nf 1/1 2/2 3/1\n");
+  expect_part(refusal("path: 'b.obj' element_m: 0.2"), "line 6");
+  write("b.obj", points + "f 1/1 2/2 3/2\n");
+  EXPECT_EQ(setup("path: 'b.obj' element_m: 0.2").shells.size(), 1u);
 }
 
 TEST_F(MeshParts, UnitUpAndPoseMoveTheSurface) {
