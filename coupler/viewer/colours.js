@@ -55,13 +55,13 @@ export function shellColour(frame, by, top, look) {
 }
 
 export function bodyColour(frame, by, top, look) {
-  const kind = frame.arrays["bodies.kind"], body = frame.arrays["bodies.body"], speed = frame.arrays["bodies.speed"];
+  const kind = frame.arrays["bodies.kind"], body = frame.arrays["bodies.body"], part = frame.arrays["bodies.part"], speed = frame.arrays["bodies.speed"];
   return (t, point) => {
     if (kind[t] === STATIC) return look.bodyColour(body[t], FLOOR);
     if (by === "speed") return ramp(speed[point] / (top || 1));
     const broken = kind[t] === SHARD || kind[t] === FROZEN;
     if (!broken) return look.bodyColour(body[t], STEEL);
     if (by === "fragment") return kind[t] === FROZEN ? [0.90, 0.92, 0.92] : pastel(body[t]);
-    return varied(kind[t] === FROZEN ? 0 : body[t] + 1, look.shardColour(body[t]), 0.14);
+    return varied(kind[t] === FROZEN ? 0 : body[t] + 1, look.shardColour(body[t], part?.[t] ?? -1), 0.14);
   };
 }

@@ -23,8 +23,8 @@ const look = {
   bodyColour: (body, other) => (state.body_colours?.[body - 1]?.length ? state.body_colours[body - 1] : other),
   isGlass: (n) => state.shells[n]?.glass ?? state.shells.length === 0,
   several: () => state.shells.length > 1 || state.shells.some((shell) => !shell.glass) || new Set(current?.arrays["shell.part"] ?? []).size > 1,
-  shardColour: (body) => {
-    const part = state.part_of[body]; // not known for every shard
+  shardColour: (body, shell) => {
+    const part = shell >= 0 ? shell : state.part_of[body]; // not known for every shard of earlier versions
     return !look.several() ? look.partColour(0) : part === undefined ? DEBRIS : look.partColour(part);
   },
   get glassOpacity() { return look.several() ? 0.45 : 0.75; },

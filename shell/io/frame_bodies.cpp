@@ -13,6 +13,7 @@ struct BodyMesh {
   // where the scene asks for them
   VtpArray velocity{"velocity", 3, {}, false, "m/s"}, spin{"spin_rad_per_s", 3, {}, false, "rad/s"},
       mass{"mass_kg", 1, {}, false, "kg"};
+  VtpArray shell{"shell", 1, {}, true};  // of pieces of shells; -1 for other bodies
   // displacement and parameters of pieces of shells; zero for other bodies
   VtpArray displacement{"displacement", 3, {}, false, "m"}, uv{"uv", 2, {}};
   BodyId id = 0;  // of the body that is drawn, and its kind
@@ -94,7 +95,8 @@ void add_body(BodyMesh& out, const RigidBody& b) {
   }
 }
 
-// Adds places at rest and parameters to the points that a body has just got: none where it was no piece of a shell.
+// Adds places at rest and parameters to the points that a body has just got, and their shells to its cells: none where
+// it was no piece of a shell.
 void add_places(BodyMesh& out, const DrawnMesh* piece) {
   const std::size_t first = out.uv.values.size() / 2;
   for (std::size_t i = first; i < out.mesh.points.size(); ++i) {
@@ -103,6 +105,8 @@ void add_places(BodyMesh& out, const DrawnMesh* piece) {
     out.displacement.values.insert(out.displacement.values.end(), {u.x(), u.y(), u.z()});
     out.uv.values.insert(out.uv.values.end(), {p.x(), p.y()});
   }
+  for (std::size_t i = 0, known = out.shell.values.size(); known + i < out.mesh.polygons.size(); ++i)
+    out.shell.values.push_back(piece ? piece->shell[i] : -1);
 }
 
 // Adds the motion of a body to the points and cells that it has just got.
@@ -135,7 +139,7 @@ VtpMesh body_mesh(const std::vector<RigidBody>& bodies, BodyId first_shard, cons
     if (fields.set.has(FieldSet::kBodyMotion)) add_motion(out, b, number, fields);
   }
   out.mesh.cell_data = {out.body, out.kind};
-  if (!drawn.empty()) out.mesh.point_data = {out.displacement, out.uv};
+  if (!drawn.empty()) out.mesh.point_data = {out.displacement, out.uv}, out.mesh.cell_data.push_back(out.shell);
   if (fields.set.has(FieldSet::kBodyMotion))
     out.mesh.point_data.push_back(out.velocity),
         out.mesh.cell_data.insert(out.mesh.cell_data.end(), {out.spin, out.mass});

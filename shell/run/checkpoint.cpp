@@ -35,7 +35,7 @@ namespace sunder::shell {
 
 template <class A>
 void archive(A& a, DrawnMesh& m) {
-  archive_all(a, m.points, m.rest, m.uv, m.triangles);
+  archive_all(a, m.points, m.rest, m.uv, m.triangles, m.shell);
 }
 
 template <class A>

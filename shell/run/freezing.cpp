@@ -106,7 +106,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
     ShellState& s = *state_.shells[k].state;
     books_.frozen_kinetic += kinetic_energy(m, s, dt);
     state_.frozen_potential += potential_energy(m, s, setup_.gravity);
-    const Handoff frozen = shell::freeze(m, s, *now[k].triangulation, now[k].pieces, counts_.next_id++);
+    Handoff frozen = shell::freeze(m, s, *now[k].triangulation, now[k].pieces, counts_.next_id++);
     const RigidBody& remains = frozen.body;
     check_parts(remains, clock_.windows);
     if (!std::get<ConvexShape>(remains.shape).parts.empty()) {
@@ -115,6 +115,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
       for (const Piece& p : now[k].pieces)
         for (const int i : p.control_points)
           if (p.held && !p.handed_off) points.emplace_back(k, i);
+      frozen.drawn.shell.assign(frozen.drawn.triangles.size(), static_cast<int>(k));
       frames_.draw_as(remains.id, ids_.take(points), frozen.drawn);
       state_.bodies.emplace_back(remains);
     }

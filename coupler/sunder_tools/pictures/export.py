@@ -74,6 +74,10 @@ def _add(out: Glb, name: str, mesh: Mesh, normals: np.ndarray, which: np.ndarray
     out.show(out.node(name, mesh=out.add("meshes", {"name": name, "primitives": primitives})))
 
 
+def _name_of_shell(part: int, words: Words) -> str:
+    return words.shells[part] if part < len(words.shells) else f"shell_{part}"
+
+
 def glb_bytes(mesh: Mesh, time_s: float, words: Words, part_of: dict[int, int]) -> bytes:
     """Writes a binary glTF 2.0. Materials have the names that the scene gives them."""
     out = Glb("sunder export", {"time_s": time_s})
@@ -81,12 +85,11 @@ def glb_bytes(mesh: Mesh, time_s: float, words: Words, part_of: dict[int, int]) 
     apart[mesh.triangles.ravel()] = np.repeat(np.where(mesh.body < 0, -1 - mesh.fragment, mesh.body), 3)
     normals = corner_normals(mesh.points, mesh.triangles, weld(mesh.points, apart))
     for part in np.unique(mesh.part[mesh.part >= 0]):
-        name = words.shells[part] if part < len(words.shells) else f"shell_{part}"
-        _add(out, name, mesh, normals, mesh.part == part, *material_of_shell(int(part), words))
+        _add(out, _name_of_shell(int(part), words), mesh, normals, mesh.part == part, *material_of_shell(int(part), words))
     broken = (mesh.kind == SHARD) | (mesh.kind == FROZEN)
-    of = np.array([part_of.get(int(b), -1) for b in mesh.body])
+    of = np.array([part if part >= 0 else part_of.get(int(b), -1) for part, b in zip(mesh.origin, mesh.body)])
     for part in np.unique(of[broken]):
-        _add(out, "shards" if part < 0 else f"shards_of_{words.shells[part]}", mesh, normals, broken & (of == part),
+        _add(out, "shards" if part < 0 else f"shards_of_{_name_of_shell(int(part), words)}", mesh, normals, broken & (of == part),
              *material_of_shards(int(part), words))
     own = ~broken & (mesh.body >= 0)
     for number in np.unique(mesh.body[own]):

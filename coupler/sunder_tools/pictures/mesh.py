@@ -26,6 +26,7 @@ class Mesh:
     body: np.ndarray       # (m,) -1 for the shell
     kind: np.ndarray       # (m,) as in frames.py, -1 for the shell
     side: np.ndarray       # (m,) as in thick.py
+    origin: np.ndarray     # (m,) number of the shell that it is or was a piece of, -1 where there is none or it is not known
 
 
 def part_of_points(shell: PolyData) -> np.ndarray:
@@ -33,6 +34,12 @@ def part_of_points(shell: PolyData) -> np.ndarray:
     part = np.zeros(len(shell.points), np.int64)
     part[shell.triangles.ravel()] = np.repeat(shell.of_triangles("shell", 0).astype(np.int64), 3)
     return part
+
+
+def origin_of_triangles(bodies: PolyData) -> np.ndarray:
+    """Returns the number of the shell that each triangle (m,) of bodies was a piece of; -1 where it was none, and in frames of
+    earlier versions."""
+    return bodies.of_triangles("shell", -1).astype(np.int64)
 
 
 def thickness_of_points(shell: PolyData, thickness: tuple[float, ...]) -> np.ndarray | None:
@@ -52,7 +59,7 @@ def mesh_of(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -> M
     bodies, moves = with_soft(frames[k], rigid, body_velocity(frames, k))
     points, velocity, triangles = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros((0, 3), int)]
     rests, uvs = [np.zeros((0, 3))], [np.zeros((0, 2))]
-    names = ("fragment", "damage", "part", "body", "kind", "side")
+    names = ("fragment", "damage", "part", "body", "kind", "side", "origin")
     columns: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in names}
     if shell is not None:
         moving, own = shell_velocity(shell), np.arange(len(shell.triangles))
@@ -70,10 +77,10 @@ def mesh_of(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -> M
         uvs.append(uv)
         triangles.append(faces)
         damage = shell.of_triangles("damage", 0.0)
-        none = np.full(len(own), -1)
+        none, part = np.full(len(own), -1), shell.of_triangles("shell", 0)[own]
         for name, values in zip(names, (shell.of_triangles("fragment", 0)[own],
                                         (damage.max(axis=1) if damage.ndim == 2 else damage)[own],
-                                        shell.of_triangles("shell", 0)[own], none, none, side)):
+                                        part, none, none, side, part)):
             columns[name].append(values)
     if bodies is not None:
         triangles.append(bodies.triangles + sum(map(len, points)))
@@ -84,12 +91,15 @@ def mesh_of(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -> M
         uvs.append(uv)
         body, kind = bodies.of_triangles("body", 0), bodies.of_triangles("kind", 0)
         none = np.full(len(body), -1)
-        for name, values in zip(names, (body, 0.0 * body, none, body, kind, _sides(rigid, len(body)))):
+        origin = none.copy()
+        if rigid is not None:
+            origin[:len(rigid.triangles)] = origin_of_triangles(rigid)
+        for name, values in zip(names, (body, 0.0 * body, none, body, kind, _sides(rigid, len(body)), origin)):
             columns[name].append(values)
     joined = {name: np.concatenate(values) for name, values in columns.items()}
     return Mesh(np.concatenate(points), np.concatenate(velocity), np.concatenate(rests), np.concatenate(uvs),
                 np.concatenate(triangles), joined["fragment"].astype(int),
-                joined["damage"], *(joined[name].astype(int) for name in ("part", "body", "kind", "side")))
+                joined["damage"], *(joined[name].astype(int) for name in ("part", "body", "kind", "side", "origin")))
 
 
 def places_of_bodies(bodies: PolyData | None, count: int) -> tuple[np.ndarray, np.ndarray]:

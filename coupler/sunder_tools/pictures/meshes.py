@@ -8,6 +8,7 @@ import numpy as np
 from .frames import BODIES, CRACKS, FROZEN, MOVING, SHARD, SHELL, SOFT, STATIC, Frame
 from .ground import Ground
 from .look import Look, parts_of_bodies
+from .mesh import origin_of_triangles
 from .motion import reference_points as reference_points  # others import it from here
 from .motion import shell_velocity
 from .palette import GLASS, STEEL, is_glass, part_colours, pastel, ramp, varied
@@ -17,6 +18,7 @@ from .thick import CREASE_COSINE, EDGE, INSIDE, OTHER, vertex_normals
 from .vtp import PolyData
 
 WELD_M = 1e-6  # nearer points are one when lines are searched
+SAME_SHARE = 0.02  # of the usual side of a triangle: ends of shells on either side of a seam are as near at rest
 SHARP_COSINE = 0.8  # edges between faces that turn by more than 37 degrees are drawn
 LONGEST_STATIC_M = 0.12  # static triangles are divided to this size, so that none reaches behind the eye
 FLOOR = np.array([0.87, 0.87, 0.86])
@@ -98,6 +100,32 @@ def edges(triangles: np.ndarray, same: np.ndarray, labels: np.ndarray, normals: 
 def fragment_edges(mesh: PolyData) -> np.ndarray:
     """Returns edges (k, 2) at borders of the shell's fragments."""
     return edges(mesh.triangles, weld(reference_points(mesh)), mesh.of_triangles("fragment", 0), None)
+
+
+def piece_edges(bodies: PolyData, mine: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Returns the visible edges (k, 2) of bodies, of their triangles `mine` (m,) with these normals (m, 3). A piece of several
+    shells has lines where it ends, and none along its seams, as before it left them."""
+    triangles, body = bodies.triangles[mine], bodies.of_triangles("body", 0).astype(np.int64)[mine]
+    shell = origin_of_triangles(bodies)[mine]
+    ids, inverse = np.unique(body, return_inverse=True)
+    low, high, first = np.full(len(ids), 1 << 30), np.full(len(ids), -1), np.full(len(ids), len(bodies.points))
+    np.minimum.at(low, inverse, shell)
+    np.maximum.at(high, inverse, shell)
+    np.minimum.at(first, inverse, triangles.min(axis=1, initial=len(bodies.points)))
+    sewn = ((low >= 0) & (low < high))[inverse]
+    owner = np.zeros(len(bodies.points), np.int64)
+    owner[triangles.ravel()] = np.repeat(body, 3)
+    lines = [edges(triangles[~sewn], weld(bodies.points, owner), body[~sewn], normals[~sewn])]
+    faces = sewn & (sides_of_pieces(triangles, first[inverse]) == INSIDE)
+    if faces.any():
+        inside = triangles[faces]  # of pairs of points, inside before outside
+        used, local = np.unique(inside, return_inverse=True)
+        rest = reference_points(bodies)
+        middle, flat = 0.5 * (rest[used] + rest[used + 1]), local.reshape(-1, 3)
+        side = np.linalg.norm(middle[flat] - middle[flat[:, [1, 2, 0]]], axis=2)
+        ends = edges(flat, weld(middle / (SAME_SHARE * np.median(side)) * WELD_M, owner[used]), body[faces], None)
+        lines += [used[ends], used[ends] + 1]
+    return np.concatenate(lines)
 
 
 def lines_in_place(lines: PolyData, shell: PolyData | None) -> np.ndarray:
@@ -284,17 +312,17 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
         if broken.any():
             mine = bodies.triangles[broken]
             points, corners, smooth, side = _shaded_shards(bodies.points, mine, body[broken])
-            part = look.parts_by_thickness(bodies.points, mine, parts_of_bodies(body[broken], look.part_of))
+            part = origin_of_triangles(bodies)[broken]
+            part = np.where(part >= 0, part, parts_of_bodies(body[broken], look.part_of))
+            part = look.parts_by_thickness(bodies.points, mine, part)
             part = look.parts_of_frozen(bodies.points, mine, part, (kind == FROZEN)[broken])
             colours = _broken_colours(body[broken], (kind == FROZEN)[broken], look, part, several, speed[broken])
             clear = is_glass(np.maximum(part, 0), look.glass) & (part >= 0) if several else np.ones(len(part), bool)
             for where, surfaces in ((clear, glass), (~clear, solid)):
                 if where.any():
                     surfaces.append(_sheet(points, corners[where], colours[where], smooth, side[where]))
-            owner = np.zeros(len(bodies.points), np.int64)
-            owner[bodies.triangles.ravel()] = np.repeat(body, 3)
             normals = _surface(bodies.points, mine, colours).normals()
-            outlines.append(bodies.points[edges(mine, weld(bodies.points, owner), body[broken], normals)])
+            outlines.append(bodies.points[piece_edges(bodies, np.flatnonzero(broken), normals)])
         shards = bodies.points[np.unique(bodies.triangles[kind == SHARD])]
         see_through = _of_bodies(body, np.array([False, *(len(colour) > 3 for colour in look.bodies)]))
         own = kind == MOVING

@@ -15,7 +15,8 @@ from ..report.run_json import read_run
 from ..report.scene_text import Words, scene_words
 from .frames import BODIES, CRACKS, SHELL, Frame, list_frames
 from .look import Look, origins
-from .meshes import edges, fragment_edges, lines_in_place, weld
+from .mesh import origin_of_triangles
+from .meshes import fragment_edges, lines_in_place, piece_edges
 from .motion import body_velocity, shell_velocity
 from .palette import PARTS
 from .sheets import sheet_of
@@ -184,9 +185,8 @@ def pack_frame(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -
         body = bodies.of_triangles("body", 0)
         arrays["bodies.body"] = body.astype("<i4")
         arrays["bodies.kind"] = bodies.of_triangles("kind", 0).astype("<i4")
-        owner = np.zeros(len(bodies.points), np.int64)
-        owner[bodies.triangles.ravel()] = np.repeat(body, 3)
-        outlines = edges(bodies.triangles, weld(bodies.points, owner), body, _normals(bodies))
+        arrays["bodies.part"] = origin_of_triangles(bodies).astype("<i4")  # -1: none, or not known
+        outlines = piece_edges(bodies, np.arange(len(bodies.triangles)), _normals(bodies))
         arrays["outlines"] = (bodies.points[outlines] - origin).astype("<f4")
     arrays["cracks"] = (np.concatenate(lines) - origin).astype("<f4")
     arrays["inner"] = (inner - origin).astype("<f4")  # lines of middle surfaces

@@ -54,7 +54,8 @@ def with_soft(frame: Frame, bodies: PolyData | None, velocity: np.ndarray) -> tu
     if bodies is None:
         return PolyData(points, triangles=triangles, cell_data={"body": number, "kind": 0 * number + MOVING}), moves
     cells = {"body": np.concatenate([bodies.of_triangles("body", 0), number]),
-             "kind": np.concatenate([bodies.of_triangles("kind", MOVING), 0 * number + MOVING])}
+             "kind": np.concatenate([bodies.of_triangles("kind", MOVING), 0 * number + MOVING]),
+             "shell": np.concatenate([bodies.of_triangles("shell", -1), 0 * number - 1])}
     return (PolyData(np.concatenate([bodies.points, points]),
                      triangles=np.concatenate([bodies.triangles, triangles + len(bodies.points)]), cell_data=cells),
             np.concatenate([velocity, moves]))

@@ -16,7 +16,7 @@ from .between import RIGID, centre_of_sheet, ends
 from .faces import Slot, face_velocities, faces, over_faces, slots_of
 from .frames import BODIES, FROZEN, SHARD, SHELL, SOFT, Frame
 from .materials import material_of_body, material_of_shards, name_of_body, slot_name
-from .mesh import part_of_points, thickness_of_points
+from .mesh import origin_of_triangles, part_of_points, thickness_of_points
 from .meshes import weld
 from .motion import by_body, parameters, reference_points
 from .rigid import centre_of_mass, fit, quaternion, turn_of
@@ -88,6 +88,17 @@ class _Rigid:
 Key = tuple[str, int]  # "piece", "body" or "soft", and the number
 
 
+@dataclass
+class _Moving:
+    """A body of a frame."""
+    key: Key
+    points: np.ndarray
+    triangles: np.ndarray  # (m, 3) from these points
+    broken: bool           # a piece of shells
+    places: np.ndarray     # (n, 5) of its points at rest, and their parameters; NaN where it was no piece of a shell
+    origin: np.ndarray     # (m,) shell of each triangle, -1: none, or not known
+
+
 class _Sheets:
     """The shells of a frame, piece by piece. `size` [m]: of the shells in the first frame that has any; 0: this one is it."""
 
@@ -156,9 +167,9 @@ class Story:
         self._end_shapes(k, now, bodies, moving)
         for key in now.pieces:
             self._bend(k, key, now)
-        for key, points, triangles, kind, places in moving:
-            self._move(k, key, points, triangles, kind, places)
-        seen = {*now.pieces, *(key for key, *_ in moving)}
+        for body in moving:
+            self._move(k, body)
+        seen = {*now.pieces, *(body.key for body in moving)}
         if soft is not None and len(soft.points):
             seen |= self._soften(k, soft)
         for key in [key for key in self._open if key not in seen]:
@@ -175,7 +186,7 @@ class Story:
         if not ending:
             return
         arriving = ends(before.shell, now.shell, bodies, now.time_s - before.time_s)
-        centres = {key: centre_of_mass(points, triangles) for key, points, triangles, *_ in moving if key in ending}
+        centres = {body.key: centre_of_mass(body.points, body.triangles) for body in moving if body.key in ending}
         for key in ending:
             used, triangles, _ = before.pieces[key]
             if key in now.pieces:
@@ -233,9 +244,10 @@ class Story:
             shape.drift.append(centre_of_sheet(moving, triangles, now.rest[used]))  # as the centre follows from the points
             shape.velocity.append(face_velocities(at, moving, triangles, part, half) - shape.drift[-1])
 
-    def _move(self, k: int, key: Key, points: np.ndarray, triangles: np.ndarray, kind: int, places: np.ndarray) -> None:
-        """Adds a frame of a body; `places` (n, 5): of its points at rest, and their parameters."""
-        thing = self._thing(key, -1)
+    def _move(self, k: int, body: _Moving) -> None:
+        """Adds a frame of a body."""
+        key, points, triangles = body.key, body.points, body.triangles
+        thing = self._thing(key, int(body.origin.min()))
         shape, rigid = self._open.get(key), self._rigid.get(key)
         if shape is not None and rigid is not None and len(points) == len(rigid.points) and np.array_equal(
                 triangles, rigid.triangles):
@@ -248,24 +260,26 @@ class Story:
         base = turn_of(thing.turn[-1]) if thing.turn else np.eye(3)
         self._rigid[key] = _Rigid(points, triangles, centre, points.mean(axis=0), base)
         thing.place(k, centre, base)
-        broken = kind in (SHARD, FROZEN)
-        side = sides_of_sheet_body(points, triangles) if broken else np.full(len(triangles), OTHER)
-        if broken:
-            part = self._part_of.get(key[1], self._words.shells.index(thing.group) if thing.group in self._words.shells else -1)
-            material, colour = material_of_shards(part, self._words)
-        else:
-            material, colour = material_of_body(key[1], self._words)
+        side = sides_of_sheet_body(points, triangles) if body.broken else np.full(len(triangles), OTHER)
+        part = body.origin
+        if body.broken:
+            guess = self._part_of.get(key[1], self._words.shells.index(thing.group) if thing.group in self._words.shells else -1)
+            part = np.where(part >= 0, part, guess)
         normals = corner_normals(points, triangles, weld(points))
         slots, order, first = [], [], 0
-        for one in (OUTSIDE, INSIDE, EDGE, OTHER):
-            mine = np.flatnonzero(side == one)
-            if len(mine):
-                slots.append(Slot(slot_name(material, one), colour, first, 3 * len(mine), np.arange(3 * len(mine)).reshape(-1, 3)))
-                order.append(mine)
-                first += 3 * len(mine)
+        for of in np.unique(part):
+            material, colour = (material_of_shards(int(of), self._words) if body.broken
+                                else material_of_body(key[1], self._words))
+            for one in (OUTSIDE, INSIDE, EDGE, OTHER):
+                mine = np.flatnonzero((side == one) & (part == of))
+                if len(mine):
+                    slots.append(Slot(slot_name(material, one), colour, first, 3 * len(mine),
+                                      np.arange(3 * len(mine)).reshape(-1, 3)))
+                    order.append(mine)
+                    first += 3 * len(mine)
         which = np.concatenate(order)
         corners = (points[triangles[which]].reshape(-1, 3) - centre) @ base
-        of_corners = places[triangles[which]].reshape(-1, 5)
+        of_corners = body.places[triangles[which]].reshape(-1, 5)
         shape = Shape(slots, k, k, [corners], [normals[which].reshape(-1, 3) @ base], of_corners[:, :3],
                       np.full(len(corners), np.nan), of_corners[:, 3:])
         thing.shapes.append(shape)
@@ -304,14 +318,11 @@ class Story:
         return seen
 
 
-_Moving = tuple[Key, np.ndarray, np.ndarray, int, np.ndarray]
-
-
 def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
-    """Yields the key, points, triangles (from these points) and kind of each body. Also of its points the place at rest and the
-    parameters (n, 5), NaN where it was no piece of a shell."""
+    """Yields each body of a frame."""
     if bodies is None or not len(bodies.triangles):
         return
+    origin = origin_of_triangles(bodies)
     body, kind = bodies.of_triangles("body", 0).astype(np.int64), bodies.of_triangles("kind", 0).astype(int)
     order = np.argsort(body, kind="stable")
     values, starts = np.unique(body[order], return_index=True)
@@ -324,8 +335,8 @@ def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
         mine, sort = points[int(one)], int(kind[which[0]])
         number[mine] = np.arange(len(mine))
         piece = sort in (SHARD, FROZEN)
-        yield ("piece" if piece else "body", int(one)), bodies.points[mine], number[bodies.triangles[which]], sort, (
-            places[mine] if piece else np.full((len(mine), 5), np.nan))
+        yield _Moving(("piece" if piece else "body", int(one)), bodies.points[mine], number[bodies.triangles[which]], piece,
+                      places[mine] if piece else np.full((len(mine), 5), np.nan), origin[which])
 
 
 def story_of(frames: list[Frame], words: Words, part_of: dict[int, int], middle: bool = False,
