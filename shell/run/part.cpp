@@ -87,7 +87,7 @@ std::vector<EdgeCut> ShellPart::cut(double now, double span, std::uint64_t& rand
   return on_edges;
 }
 
-void ShellPart::measure_step(std::int64_t window, int threads) {
+void ShellPart::measure_step(std::int64_t window, int threads, const std::vector<const ShellModel*>& shells) {
   const ShellModel& m = model();
   const auto& edges = state->cracks.graph.edges();
   edges_seen = std::max(edges_seen, static_cast<std::size_t>(state->cracks.graph.trims()));
@@ -97,7 +97,7 @@ void ShellPart::measure_step(std::int64_t window, int threads) {
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
   if (changed.empty() || window < next_measure) return;
   double local = stable_step(m, *state, kLocalIterations, threads, setup->can_crack(), changed);
-  if (m.has_fibres()) local = stable_step_with_fibres(local, {&m});
+  if (m.has_fibres()) local = stable_step_with_fibres(local, shells);
   smallest_step = std::min(smallest_step, local);
   changed.clear();
   next_measure = window + kStepWindows;

@@ -63,8 +63,9 @@ struct ShellPart {
   /// Criteria that act at the start of a window insert their edges: cuts that are due up to `span` [s] after `now` [s].
   /// Returns the parts of seams that they open.
   std::vector<EdgeCut> cut(double now, double span, std::uint64_t& random);
-  /// Measures the stable step again near changes by cracks. `window` is the number of the window.
-  void measure_step(std::int64_t window, int threads);
+  /// Measures the stable step again near changes by cracks. `window` is the number of the window, `shells` are all of
+  /// the run, whose fibres this one may touch.
+  void measure_step(std::int64_t window, int threads, const std::vector<const ShellModel*>& shells);
   /// Marks pieces without control points that have been handed off before.
   void mark_rubble(PartPieces& now) const;
   /// Returns a triangulation for counting pieces. Cracks that have grown within a piece may be missing, and knots are:

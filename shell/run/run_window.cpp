@@ -133,7 +133,8 @@ void Run::close_books(double dt) {
   books_.check_stable(simulation_, energy, clock_.windows);
   books_.close(simulation_, energy + books_.sum(simulation_).lost() + state.engine_loss);
   Stopwatch w(times[Stage::kCrackUpdate]);
-  for (ShellPart& part : state.shells) part.measure_step(clock_.windows, simulation_.model.threads);
+  const std::vector<const ShellModel*> models = simulation_.model.setup.models();
+  for (ShellPart& part : state.shells) part.measure_step(clock_.windows, simulation_.model.threads, models);
 }
 
 void Run::rigid_window() {

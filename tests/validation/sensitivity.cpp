@@ -91,7 +91,7 @@ Outcome run(const Scene& scene, const CalibratedConstants& c, int seed, int thre
     const double dt = setup.window / n;
     simulation.take_substeps(n, dt, last, clock, look);
     last = dt;
-    part.measure_step(clock.windows, threads);
+    part.measure_step(clock.windows, threads, {&part.model()});
     lengths.push_back(cracks.total_length());
   }
   Outcome out;

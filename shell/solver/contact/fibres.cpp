@@ -14,7 +14,8 @@ namespace {
 // least length of a fibre, as a share of its rest length; beyond, layers pass through each other
 constexpr double kLeast = 0.1;
 constexpr double kUneven = 1.19;  // largest x (2 - x)^2 = 32/27: stiffness of a node that two layers fill unevenly
-// largest (dw/dx)^2 of a patch over its lumped mean square [1/element^2]; 12 at a corner of two free edges
+// largest (dw/dx)^2 of a patch over its lumped mean square [1/element^2]; 12 at a corner of two free edges. Functions
+// beside cracks stay below it (test Fibres.LeanNoFasterBesideCracksThanTheStepAllows).
 constexpr double kSlope = 16.0;
 
 std::vector<char> with_fibres(const std::vector<const ShellModel*>& shells) {

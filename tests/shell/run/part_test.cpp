@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/run/part.h"
+#include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
 #include "tests/shell/fixtures.h"
 
@@ -78,20 +79,35 @@ TEST(ShellPart, MeasuresItsStepWhereCracksAreNewAndNotInEachWindow) {
   Sheet sheet;
   ShellPart& part = sheet.part;
   part.initial_step = part.smallest_step = 1.0;  // of no shell
-  part.measure_step(0, 1);
+  part.measure_step(0, 1, {});
   EXPECT_EQ(part.smallest_step, 1.0);  // there is no crack
   sheet.cut({{0.05, 0.05}, {0.1, 0.06}});
-  part.measure_step(0, 1);
+  part.measure_step(0, 1, {});
   EXPECT_LT(part.smallest_step, 1e-4);
   EXPECT_GT(part.smallest_step, 0.0);
   EXPECT_TRUE(part.changed.empty());
   const double first = part.smallest_step;
   sheet.cut({{0.05, 0.15}, {0.1, 0.16}});
-  for (std::int64_t window = 1; window < kStepWindows; ++window) part.measure_step(window, 1);
+  for (std::int64_t window = 1; window < kStepWindows; ++window) part.measure_step(window, 1, {});
   EXPECT_FALSE(part.changed.empty());  // it waits
-  part.measure_step(kStepWindows, 1);
+  part.measure_step(kStepWindows, 1, {});
   EXPECT_TRUE(part.changed.empty());
   EXPECT_LE(part.smallest_step, first);
+}
+
+// A shell with fibres may lie on another one that is as heavy and has far stiffer fibres.
+TEST(ShellPart, MeasuresItsStepWithTheFibresOfAllShells) {
+  Sheet sheet;
+  ShellModel stiff = sheet.part.model();
+  stiff.fibres = {1e12, 1e12, 0.5};
+  sheet.setup.model.fibres = {1e5, 1e5, 0.5};
+  ShellPart& part = sheet.part;
+  part.initial_step = part.smallest_step = 1.0;
+  sheet.cut({{0.05, 0.05}, {0.1, 0.06}});
+  part.measure_step(0, 1, {&part.model(), &stiff});
+  EXPECT_GT(part.smallest_step, 0.0);
+  EXPECT_LT(part.smallest_step, stable_step_with_fibres(1.0, {&part.model(), &stiff}));
+  EXPECT_LT(part.smallest_step, 0.1 * stable_step_with_fibres(1.0, {&part.model()}));
 }
 
 TEST(ShellPart, AStepForHertzContactIsKeptForSomeTimeAndLongerAfterEachContact) {

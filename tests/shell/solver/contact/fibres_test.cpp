@@ -253,6 +253,57 @@ TEST(Fibres, StableStepBoundsThatOfStacks) {
   }
 }
 
+namespace {
+
+// Largest eigenvalue of the stiffness of leaning fibres over the mass [1/s^2], exactly.
+double steepest_lean(const ShellModel& m, const ShellState& s) {
+  const RowTables& t = m.tables;
+  const int n = m.control_points();
+  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e) {
+      const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
+      if (area == 0.0) continue;
+      const int own = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + e];
+      const auto functions = own < 0 ? patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride)
+                                     : s.cracked.gathered[own].functions;
+      for (const GatheredFunction& a : functions)  // parameters are lengths of a flat sheet
+        for (const GatheredFunction& b : functions)
+          k(t.control_point(a.slot), t.control_point(b.slot)) +=
+              m.fibres.shear * m.thickness * area * (a.n[1] * b.n[1] + a.n[2] * b.n[2]);
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) k(i, j) /= std::sqrt(s.motion.mass[t.slot(i)] * s.motion.mass[t.slot(j)]);
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+}  // namespace
+
+// The step allows for leaning fibres by a constant that is one of whole patches. Functions beside cracks are others.
+TEST(Fibres, LeanNoFasterBesideCracksThanTheStepAllows) {
+  ShellModel m = sheet(0.5, 10, Vec3::Zero());
+  m.fibres = kLaw;
+  const double allowed = 16.0 * kLaw.shear / (m.material.density * m.shortest_element * m.shortest_element);
+  const double step = stable_step_with_fibres(1e9, {&m});  // with layers that touch
+  EXPECT_GT(4.0 / (step * step), allowed);
+  ShellState whole = make_state(m, Vec3::Zero(), 0);
+  const double before = steepest_lean(m, whole);
+  EXPECT_LT(before, allowed);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> place(0.02, 0.48);
+  double most = 0.0;
+  for (int n = 0; n < 40; ++n) {
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    for (int k = 0; k < 1 + n % 5; ++k) {
+      const double x = place(random), y = place(random), u = place(random), v = place(random);
+      insert_polyline(m, s, {{x, y}, {u, v}}, 0.0);
+    }
+    most = std::max(most, steepest_lean(m, s));
+  }
+  EXPECT_GT(most, 1.02 * before);  // cracks make them steeper
+  EXPECT_LT(most, allowed);
+}
+
 TEST(Fibres, WhatCannotMeetCostsNothing) {
   Pile l({{sheet(0.5, 20, Vec3::Zero()), kLaw}, {sheet(0.5, 20, Vec3(0, 0, 0.4)), kLaw}}, 0.03);
   l.run(3, 1e-6);
