@@ -4,7 +4,7 @@
 #include "coupler/core/nearest.h"
 #include "rigid/engine/bullet_engine.h"
 #include "rigid/engine/free_flight.h"
-#include "rigid/engine/ode_engine.h"
+#include "rigid/engine/ode_solver.h"
 
 namespace sunder::rigid {
 

@@ -9,7 +9,6 @@
 #include <memory>
 #include <type_traits>
 
-#include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
 
 namespace sunder::rigid {
@@ -25,14 +24,8 @@ constexpr double kOverRelaxation = 1.3;  // ODE's default
 /// Softness of every row relative to its inverse mass. The exact solver factorises a matrix that would be singular,
 /// because several corners of one plate are redundant.
 constexpr double kSoftness = 1e-9;  // [-]
-/// Slip below this speed has no direction.
-constexpr double kNoSlip = 1e-12;  // [m/s]
 /// Seed before each solve: QuickStep shuffles its rows by a process-wide random generator.
 constexpr unsigned kSeed = 20;
-
-/// Largest difference of the rows' targets. The exact solver fails where corners of a symmetric stack separate at the
-/// same instant, so each row gets another small offset.
-constexpr double kTargetSpread = 1e-9;  // [m/s]
 
 /// Set by hear() where the exact solver gives up.
 thread_local bool gave_up = false;
@@ -104,14 +97,6 @@ void make_joint(dWorldID world, const SolverJoint& j, dBodyID first, dBodyID sec
   }
 }
 
-Vec3 velocity_at(const SolverBody& b, const Vec3& point) { return b.velocity + b.spin.cross(point - b.position); }
-
-/// A number in [0, 1) for a row, evenly spread (golden ratio sequence).
-double spread(std::size_t row) {
-  const double x = 0.6180339887498949 * static_cast<double>(row + 1);
-  return x - std::floor(x);
-}
-
 dJointID make_contact(dWorldID world, const SolverContact& c, const std::vector<SolverBody>& bodies, double offset) {
   dContact contact = {};
   contact.surface.mode = dContactApprox1 | dContactFDir1 | dContactMotionN;
@@ -119,52 +104,14 @@ dJointID make_contact(dWorldID world, const SolverContact& c, const std::vector<
   contact.surface.motionN = c.target - offset;
   contact.geom.depth = 0.0;  // gaps are part of the target; ODE must not correct positions
   for (int i = 0; i < 3; ++i) contact.geom.pos[i] = c.point[i], contact.geom.normal[i] = c.normal[i];
-  // The first friction direction follows the slip. A fixed pair would resist up to sqrt(2) as much between the two.
-  Vec3 slip = velocity_at(bodies[c.first], c.point);
-  if (c.second >= 0) slip -= velocity_at(bodies[c.second], c.point);
-  slip -= slip.dot(c.normal) * c.normal;
-  const Vec3 direction = slip.norm() > kNoSlip ? slip.normalized() : c.normal.unitOrthogonal();
+  const Vec3 direction = slip_direction(c, bodies);
   for (int i = 0; i < 3; ++i) contact.fdir1[i] = direction[i];
   return dJointCreateContact(world, nullptr, &contact);
 }
 
-/// A group of connected bodies.
-struct Island {
-  std::vector<int> bodies;
-  std::vector<const SolverJoint*> joints;
-  std::vector<SolverContact*> contacts;
-
-  /// Number of rows of the solver.
-  int rows() const {
-    int n = 0;
-    for (const SolverContact* c : contacts) n += c->friction > 0.0 ? 3 : 1;
-    for (const SolverJoint* j : joints) n += j->kind == Joint::Kind::kBall ? 3 : j->kind == Joint::Kind::kFixed ? 6 : 5;
-    return n;
-  }
-};
-
-std::vector<Island> islands(std::size_t body_count, const std::vector<SolverJoint>& joints,
-                            std::vector<SolverContact>& contacts) {
-  DisjointSets sets(static_cast<int>(body_count));
-  const auto join = [&](int a, int b) {
-    if (b >= 0) sets.join(a, b);
-  };
-  for (const SolverJoint& j : joints) join(j.first, j.second);
-  for (const SolverContact& c : contacts) join(c.first, c.second);
-  std::vector<Island> all(body_count);
-  for (const SolverJoint& j : joints) all[sets.root(j.first)].joints.push_back(&j);
-  for (SolverContact& c : contacts) all[sets.root(c.first)].contacts.push_back(&c);
-  for (std::size_t i = 0; i < body_count; ++i)
-    all[sets.root(static_cast<int>(i))].bodies.push_back(static_cast<int>(i));
-  all.erase(
-      std::remove_if(all.begin(), all.end(), [](const Island& i) { return i.joints.empty() && i.contacts.empty(); }),
-      all.end());
-  return all;
-}
-
 /// Solves one group in an ODE world of its own, so that the result does not depend on earlier windows or other groups.
 /// False, without a change, where the solver fails.
-bool solve(double window_s, double joint_share, bool exactly, std::vector<SolverBody>& bodies, Island& island) {
+bool solve_island(double window_s, double joint_share, bool exactly, std::vector<SolverBody>& bodies, Island& island) {
   const std::unique_ptr<dxWorld, WorldDeleter> owner(dWorldCreate());
   dWorldID world = owner.get();
   double least_mass = bodies[island.bodies.front()].mass;
@@ -179,7 +126,7 @@ bool solve(double window_s, double joint_share, bool exactly, std::vector<Solver
   std::vector<dJointFeedback> feedback(island.contacts.size());
   for (std::size_t i = 0; i < island.contacts.size(); ++i) {
     const SolverContact& c = *island.contacts[i];
-    dJointID joint = make_contact(world, c, bodies, kTargetSpread * spread(i));
+    dJointID joint = make_contact(world, c, bodies, target_offset(i));
     dJointAttach(joint, of(c.first), of(c.second));
     feedback[i] = {};
     dJointSetFeedback(joint, &feedback[i]);
@@ -209,18 +156,18 @@ bool solve(double window_s, double joint_share, bool exactly, std::vector<Solver
 
 }  // namespace
 
-void solve_velocities(double window_s, double joint_share, std::vector<SolverBody>& bodies,
+void OdeSolver::solve(double window_s, double joint_share, std::vector<SolverBody>& bodies,
                       const std::vector<SolverJoint>& joints, std::vector<SolverContact>& contacts) {
   for (Island& island : islands(bodies.size(), joints, contacts)) {
-    if (island.rows() <= kExactRows && solve(window_s, joint_share, true, bodies, island)) continue;
-    if (!solve(window_s, joint_share, false, bodies, island))
+    if (island.rows() <= kExactRows && solve_island(window_s, joint_share, true, bodies, island)) continue;
+    if (!solve_island(window_s, joint_share, false, bodies, island))
       throw Error(Exit::kPhysics, "engine",
                   fmt::format("ode finds no finite velocities for {} bodies with {} contacts and {} joints",
                               island.bodies.size(), island.contacts.size(), island.joints.size()));
   }
 }
 
-OdeLibrary::OdeLibrary() {
+OdeSolver::OdeSolver() {
   if (!dCheckConfiguration("ODE_double_precision"))
     throw Error(Exit::kBadInput, "bad_engine",
                 fmt::format("the ode library at hand is not the double precision build ({}); install libode8 of Debian",
@@ -229,8 +176,8 @@ OdeLibrary::OdeLibrary() {
   dSetMessageHandler(hear);
 }
 
-OdeLibrary::~OdeLibrary() { dCloseODE(); }
+OdeSolver::~OdeSolver() { dCloseODE(); }
 
-const char* ode_version() { return dODE_VERSION; }
+std::string OdeSolver::version() const { return dODE_VERSION; }
 
 }  // namespace sunder::rigid

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "coupler/core/error.h"
-#include "rigid/engine/ode_engine.h"
+#include "rigid/engine/ode_solver.h"
 #include "tests/rigid/shards.h"
 
 namespace sunder::rigid {

@@ -1,4 +1,4 @@
-#include "rigid/engine/ode_engine.h"
+#include "rigid/engine/ode_solver.h"
 
 #include <gtest/gtest.h>
 

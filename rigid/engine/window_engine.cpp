@@ -1,4 +1,4 @@
-#include "rigid/engine/ode_engine.h"
+#include "rigid/engine/window_engine.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,8 @@
 
 #include "rigid/engine/checks.h"
 #include "rigid/engine/hulls.h"
-#include "rigid/engine/ode_pairs.h"
-#include "rigid/engine/ode_solver.h"
-#include "rigid/engine/ode_window.h"
+#include "rigid/engine/pairs.h"
+#include "rigid/engine/window.h"
 
 namespace sunder::rigid {
 namespace {
@@ -26,8 +25,10 @@ Joint::Frame in_world(const Joint::Frame& frame, const BodyMotion& pose) {
 
 }  // namespace
 
-struct OdeEngine::Impl {
-  OdeLibrary library;
+struct WindowEngine::Impl {
+  explicit Impl(std::unique_ptr<VelocitySolver> with) : solver(std::move(with)), pairs(solver->name()) {}
+
+  std::unique_ptr<VelocitySolver> solver;
   std::map<BodyId, Held> bodies;
   std::map<std::uint32_t, Joint> joints;
   Pairs pairs;
@@ -39,7 +40,7 @@ struct OdeEngine::Impl {
   std::vector<Mover> movers(double window_s, const std::vector<const BodyMotion*>& ends) const;
 };
 
-std::vector<const BodyMotion*> OdeEngine::Impl::match(const std::vector<PredictedState>& predicted) const {
+std::vector<const BodyMotion*> WindowEngine::Impl::match(const std::vector<PredictedState>& predicted) const {
   std::vector<const BodyMotion*> ends;
   match_predicted(
       bodies, predicted, [](const Held& held) { return held.body.is_static; },
@@ -47,7 +48,7 @@ std::vector<const BodyMotion*> OdeEngine::Impl::match(const std::vector<Predicte
   return ends;
 }
 
-std::vector<Mover> OdeEngine::Impl::movers(double window_s, const std::vector<const BodyMotion*>& ends) const {
+std::vector<Mover> WindowEngine::Impl::movers(double window_s, const std::vector<const BodyMotion*>& ends) const {
   std::vector<Mover> all;
   auto next = ends.begin();
   for (const auto& [id, held] : bodies) {
@@ -65,29 +66,29 @@ std::vector<Mover> OdeEngine::Impl::movers(double window_s, const std::vector<co
   return all;
 }
 
-OdeEngine::OdeEngine() : impl_(std::make_unique<Impl>()) {}
-OdeEngine::~OdeEngine() = default;
+WindowEngine::WindowEngine(std::unique_ptr<VelocitySolver> solver) : impl_(std::make_unique<Impl>(std::move(solver))) {}
+WindowEngine::~WindowEngine() = default;
 
-EngineInfo OdeEngine::info() const {
+EngineInfo WindowEngine::info() const {
   using namespace link::capability;
-  return {"ode",
-          ode_version(),
+  return {impl_->solver->name(),
+          impl_->solver->version(),
           {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kJoints,
            kReleaseJoints, kMassRatios, kExportRows, kSaveRestore, kDoublePrecision, kDeterministic}};
 }
 
-void OdeEngine::add(const RigidBody& body) {
+void WindowEngine::add(const RigidBody& body) {
   check_body(body);
   if (impl_->bodies.count(body.id)) reject_body(body, "id", "is held already; ids are for the whole run");
   impl_->bodies.emplace(body.id, Held{body, make_hull_shape(body)});
 }
 
-void OdeEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {
+void WindowEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {
   check_laws(laws);
   impl_->pairs.set_contact_laws(laws);
 }
 
-void OdeEngine::add_joint(const Joint& joint) {
+void WindowEngine::add_joint(const Joint& joint) {
   check_joint(joint);
   if (impl_->joints.count(joint.id)) reject_joint(joint, "id is held already; ids are for the whole run");
   for (const BodyId id : {joint.first, joint.second})
@@ -98,10 +99,10 @@ void OdeEngine::add_joint(const Joint& joint) {
 }
 
 // Its bodies stay left out of `pairs`, so they still do not collide.
-void OdeEngine::release_joint(std::uint32_t id) { impl_->joints.erase(id); }
+void WindowEngine::release_joint(std::uint32_t id) { impl_->joints.erase(id); }
 
-void OdeEngine::advance(double window_s, const std::vector<PredictedState>& predicted,
-                        const std::vector<BodyId>& solved) {
+void WindowEngine::advance(double window_s, const std::vector<PredictedState>& predicted,
+                           const std::vector<BodyId>& solved) {
   check_window(window_s);
   const auto ends = impl_->match(predicted);
   const std::vector<Mover> movers = impl_->movers(window_s, ends);
@@ -133,20 +134,21 @@ void OdeEngine::advance(double window_s, const std::vector<PredictedState>& pred
     }
     joints.push_back(j);
   }
-  const std::vector<RigidBody> there = take_window(window_s, movers, ends, std::move(meetings), std::move(joints));
+  const std::vector<RigidBody> there =
+      take_window(*impl_->solver, window_s, movers, ends, std::move(meetings), std::move(joints));
   auto next = there.begin();
   for (auto& [id, held] : impl_->bodies) held.body.motion = next++->motion;
 }
 
-std::vector<EngineState> OdeEngine::states() const {
+std::vector<EngineState> WindowEngine::states() const {
   std::vector<EngineState> result;
   for (const auto& [id, held] : impl_->bodies)
     if (!held.body.is_static) result.push_back({id, held.body.mass, held.body.motion});
   return result;
 }
 
-std::vector<ContactRow> OdeEngine::rows(double window_s, const std::vector<PredictedState>& motions,
-                                        const std::vector<BodyId>& bodies) {
+std::vector<ContactRow> WindowEngine::rows(double window_s, const std::vector<PredictedState>& motions,
+                                           const std::vector<BodyId>& bodies) {
   check_window(window_s);
   const auto ends = impl_->match(motions);
   const std::vector<Mover> movers = impl_->movers(window_s, ends);
@@ -161,9 +163,9 @@ std::vector<ContactRow> OdeEngine::rows(double window_s, const std::vector<Predi
   return result;
 }
 
-std::string OdeEngine::save() { return impl_->pairs.save(); }
+std::string WindowEngine::save() { return impl_->pairs.save(); }
 
-void OdeEngine::restore(const std::string& caches, const std::vector<PredictedState>& motions) {
+void WindowEngine::restore(const std::string& caches, const std::vector<PredictedState>& motions) {
   const auto ends = impl_->match(motions);
   std::set<BodyId> known;
   for (const auto& [id, held] : impl_->bodies) known.insert(id);

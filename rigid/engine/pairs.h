@@ -1,5 +1,5 @@
 #pragma once
-// Pairs of bodies that may meet in a window, with their contact points. Private to the ODE adapter.
+// Pairs of bodies that may meet in a window, with their contact points. Private to WindowEngine.
 #include <map>
 #include <set>
 #include <string>
@@ -35,6 +35,8 @@ class Pairs {
  public:
   using Pair = std::pair<BodyId, BodyId>;  // lower first
 
+  /// `engine`: its name, which saved state has.
+  explicit Pairs(std::string engine) : engine_(std::move(engine)) {}
   /// Replaces all contact laws.
   void set_contact_laws(const std::vector<ContactLaw>& laws);
   /// Bodies with a joint: from now on the two do not collide.
@@ -56,6 +58,7 @@ class Pairs {
   /// Overlap that the pair may keep in this window [m]; `depth`: its overlap [m].
   double allowance(const Pair& pair, double depth) const;
 
+  std::string engine_;
   std::map<Pair, ContactLaw> laws_;  // by group
   ContactLaw other_pairs_;           // friction 0.5, restitution 0
   std::set<Pair> left_out_;

@@ -1,4 +1,4 @@
-#include "rigid/engine/ode_window.h"
+#include "rigid/engine/window.h"
 
 #include <algorithm>
 #include <utility>
@@ -26,9 +26,10 @@ Quat free_turn(RigidBody body, const Vec3& spin, double h) {
 /// Bodies during a window, with the movers' indices.
 class Transit {
  public:
-  Transit(double window_s, const std::vector<Mover>& movers, const std::vector<const BodyMotion*>& ends,
-          std::vector<Meeting> meetings, std::vector<SolverJoint> joints)
-      : h_(window_s),
+  Transit(VelocitySolver& solver, double window_s, const std::vector<Mover>& movers,
+          const std::vector<const BodyMotion*>& ends, std::vector<Meeting> meetings, std::vector<SolverJoint> joints)
+      : solver_(solver),
+        h_(window_s),
         movers_(movers),
         meetings_(std::move(meetings)),
         joints_(std::move(joints)),
@@ -86,7 +87,7 @@ class Transit {
     std::vector<SolverContact> contacts;
     for (const Meeting& m : meetings_)
       contacts.push_back(contact(m, false, m.law->friction, -std::max(0.0, m.gap) / h_));
-    solve_velocities(h_, kJointShare, solver_bodies_, joints(), contacts);
+    solver_.solve(h_, kJointShare, solver_bodies_, joints(), contacts);
     for (std::size_t k = 0; k < contacts.size(); ++k) acted_[k] = contacts[k].acted;
     bool any = false;
     for (std::size_t i = 0; i < movers_.size(); ++i) {
@@ -120,7 +121,7 @@ class Transit {
       contacts.push_back(
           contact(m, true, 0.0, gap > 0.0 ? -gap / h_ : kPushShare * std::max(0.0, -gap - kSlack_m) / h_));
     }
-    solve_velocities(h_, 0.0, solver_bodies_, joints(), contacts);
+    solver_.solve(h_, 0.0, solver_bodies_, joints(), contacts);
     for (std::size_t i = 0; i < movers_.size(); ++i) {
       if (slots_[i] < 0) continue;
       const SolverBody& s = solver_bodies_[slots_[i]];
@@ -142,7 +143,7 @@ class Transit {
       const bool bounces = acted_[k] && m.approach > kImpactSpeed;
       contacts.push_back(contact(m, true, m.law->friction, bounces ? m.law->restitution * m.approach : 0.0));
     }
-    solve_velocities(h_, 0.0, solver_bodies_, joints(), contacts);
+    solver_.solve(h_, 0.0, solver_bodies_, joints(), contacts);
     for (std::size_t i = 0; i < movers_.size(); ++i) {
       if (slots_[i] < 0) continue;
       const SolverBody &was = before[slots_[i]], &is = solver_bodies_[slots_[i]];
@@ -153,6 +154,7 @@ class Transit {
     }
   }
 
+  VelocitySolver& solver_;
   double h_;
   const std::vector<Mover>& movers_;
   std::vector<Meeting> meetings_;
@@ -165,10 +167,10 @@ class Transit {
 
 }  // namespace
 
-std::vector<RigidBody> take_window(double window_s, const std::vector<Mover>& movers,
+std::vector<RigidBody> take_window(VelocitySolver& solver, double window_s, const std::vector<Mover>& movers,
                                    const std::vector<const BodyMotion*>& ends, std::vector<Meeting> meetings,
                                    std::vector<SolverJoint> joints) {
-  return Transit(window_s, movers, ends, std::move(meetings), std::move(joints)).run();
+  return Transit(solver, window_s, movers, ends, std::move(meetings), std::move(joints)).run();
 }
 
 }  // namespace sunder::rigid

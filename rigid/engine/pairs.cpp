@@ -1,4 +1,4 @@
-#include "rigid/engine/ode_pairs.h"
+#include "rigid/engine/pairs.h"
 
 #include <algorithm>
 #include <cstring>
@@ -12,7 +12,6 @@ namespace {
 
 /// Points nearer than this are contacts at any velocity, so that a body at rest on four corners is held at all four.
 constexpr double kNear_m = 1e-3;
-constexpr char kCachesBegin[] = "sunder-ode-1";
 
 struct Placed {
   std::vector<Hull> parts;  // in world coordinates
@@ -79,18 +78,8 @@ void put(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
-[[noreturn]] void reject_state(const std::string& what) {
-  throw Error(Exit::kBadInput, "bad_state", "caches of the ode engine: " + what);
-}
-
-template <class T>
-T get(const std::string& bytes, std::size_t& at) {
-  if (bytes.size() - at < sizeof(T)) reject_state(fmt::format("end after {} bytes", bytes.size()));
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof(T));
-  at += sizeof(T);
-  return value;
-}
+/// What saved state begins with.
+std::string caches_begin(const std::string& engine) { return "sunder-" + engine + "-1"; }
 
 }  // namespace
 
@@ -160,7 +149,7 @@ void Pairs::remember(const std::vector<Mover>& movers, const std::vector<Meeting
 }
 
 std::string Pairs::save() const {
-  std::string bytes(kCachesBegin);
+  std::string bytes = caches_begin(engine_);
   put(bytes, static_cast<std::uint64_t>(seen_.size()));
   for (const BodyId id : seen_) put(bytes, id);
   put(bytes, static_cast<std::uint64_t>(allowances_.size()));
@@ -169,20 +158,29 @@ std::string Pairs::save() const {
 }
 
 void Pairs::restore(const std::string& caches, const std::set<BodyId>& known) {
-  const std::string begin(kCachesBegin);
+  const auto reject_state = [&](const std::string& what) {
+    throw Error(Exit::kBadInput, "bad_state", fmt::format("caches of the {} engine: {}", engine_, what));
+  };
+  const std::string begin = caches_begin(engine_);
   if (caches.compare(0, begin.size(), begin) != 0) reject_state("do not begin as this engine's do");
   std::size_t at = begin.size();
+  const auto get = [&](auto value) {
+    if (caches.size() - at < sizeof(value)) reject_state(fmt::format("end after {} bytes", caches.size()));
+    std::memcpy(&value, caches.data() + at, sizeof(value));
+    at += sizeof(value);
+    return value;
+  };
   const auto body = [&] {
-    const auto id = get<BodyId>(caches, at);
+    const auto id = get(BodyId{});
     if (!known.count(id)) reject_state(fmt::format("name body {}, which there is not", id));
     return id;
   };
   std::set<BodyId> seen;
-  for (auto n = get<std::uint64_t>(caches, at); n > 0; --n) seen.insert(body());
+  for (auto n = get(std::uint64_t{}); n > 0; --n) seen.insert(body());
   std::map<Pair, double> allowances;
-  for (auto n = get<std::uint64_t>(caches, at); n > 0; --n) {
+  for (auto n = get(std::uint64_t{}); n > 0; --n) {
     const BodyId a = body(), b = body();
-    const double depth = get<double>(caches, at);
+    const double depth = get(0.0);
     if (!(a < b) || !(depth > 0.0 && depth < 1e3))
       reject_state(fmt::format("bodies {} and {} overlap by {} m", a, b, depth));
     allowances[{a, b}] = depth;

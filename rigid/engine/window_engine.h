@@ -1,31 +1,28 @@
 #pragma once
-// Rigid bodies with ODE's solvers, in double precision. The adapter finds contacts and moves the bodies.
+// Rigid bodies whose velocities a library solves. This class finds contacts and moves the bodies.
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "rigid/engine/engine.h"
+#include "rigid/engine/velocity_solver.h"
 
 namespace sunder::rigid {
 
-/// Properties of the adapter:
-/// - ODE solves contacts and joints for velocities. The adapter finds contacts (touch.h): with true sizes, without
-/// margins,
-///   and before the bodies meet, so that fast bodies do not pass through one another.
+/// Properties:
+/// - The library solves contacts and joints for velocities. Contacts are found here (touch.h): with true sizes, without
+///   margins, and before the bodies meet, so that fast bodies do not pass through one another.
 /// - A body without a contact or joint in a window ends in its predicted state, to the bit.
 /// - There is no damping, sleeping, rolling resistance or gravity.
-/// - Coulomb friction acts along the slip, with the normal force of a solution without friction.
-/// - Groups of connected bodies with many rows (kExactRows in ode_solver.cpp) are solved by sweeps without warm start.
-///   Large heaps then settle with overlaps. Poses move out of them, without energy.
+/// - Coulomb friction acts along the slip.
 /// - Bodies that overlap in their first window, as shards of one pane do, may keep this overlap until they separate.
 /// - Restitution acts on the closing speed of the average velocities, from 0.05 m/s.
-/// - One thread per process at a time: ODE's random generator and initialisation are process-wide.
-class OdeEngine final : public Engine {
+class WindowEngine : public Engine {
  public:
-  OdeEngine();
-  ~OdeEngine() override;
-  OdeEngine(const OdeEngine&) = delete;
-  OdeEngine& operator=(const OdeEngine&) = delete;
+  explicit WindowEngine(std::unique_ptr<VelocitySolver> solver);
+  ~WindowEngine() override;
+  WindowEngine(const WindowEngine&) = delete;
+  WindowEngine& operator=(const WindowEngine&) = delete;
 
   EngineInfo info() const override;
   void add(const RigidBody& body) override;

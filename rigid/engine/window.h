@@ -1,16 +1,16 @@
 #pragma once
-// Solves the contacts and joints of one window, and moves the bodies. Private to the ODE adapter.
+// Solves the contacts and joints of one window, and moves the bodies. Private to WindowEngine.
 #include <vector>
 
-#include "rigid/engine/ode_pairs.h"
-#include "rigid/engine/ode_solver.h"
+#include "rigid/engine/pairs.h"
+#include "rigid/engine/velocity_solver.h"
 
 namespace sunder::rigid {
 
 /// All movers after the window; static ones are unchanged. `ends`: predicted states of the moving ones, in their order.
 /// A body without contacts and joints ends in its predicted state, to the bit. Joints name movers by index, none of
 /// them static.
-std::vector<RigidBody> take_window(double window_s, const std::vector<Mover>& movers,
+std::vector<RigidBody> take_window(VelocitySolver& solver, double window_s, const std::vector<Mover>& movers,
                                    const std::vector<const BodyMotion*>& ends, std::vector<Meeting> meetings,
                                    std::vector<SolverJoint> joints);
 
