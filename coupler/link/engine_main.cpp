@@ -14,19 +14,22 @@ namespace {
 
 int run(const std::string& program, int argc, char** argv, const std::function<std::unique_ptr<Engine>()>& make) {
   std::string endpoint, keys, ignored;
-  bool die_with_parent = false;
+  bool check = false, die_with_parent = false;
   CLI::App app("Binds the endpoint, serves one session with a rigid-body engine and ends with it.", program);
   app.add_option("--endpoint", endpoint, "Where the shell process connects: ipc://PATH or tcp://HOST:PORT")
       ->type_name("ADDRESS")
       ->take_last();
   app.add_option("--engine", ignored, "Taken and ignored")->type_name("NAME")->take_last();
   app.add_option("--keys", keys, "Folder of keys: the session is encrypted")->type_name("DIR")->take_last();
+  app.add_flag("--check", check, "Says by the exit status whether the engine can be made, and ends");
   app.add_flag("--die-with-parent", die_with_parent, "Ends when the process that started this one does");
   app.footer("Exit status: 0 after a goodbye, 2 bad arguments or bodies, 3 the shell process is lost.");
   if (!read_arguments(app, argc, argv)) return 0;
   if (die_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
+  const auto engine = make();
+  if (check) return 0;
   require(!endpoint.empty(), "--endpoint is missing; see {} --help", program);
-  serve(endpoint, *make(), keys);
+  serve(endpoint, *engine, keys);
   return 0;
 }
 

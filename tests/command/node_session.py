@@ -188,7 +188,7 @@ class Flight:
 
 
 class EngineCase(unittest.TestCase):
-    """Tests of one engine under Node.js, skipped where it cannot run."""
+    """Tests of one engine, skipped where it cannot run."""
     engine = ""
     why_not = ""
     sessions: Sessions | None = None
@@ -210,7 +210,7 @@ class EngineCase(unittest.TestCase):
 
 
 class AnyEngine(EngineCase if TYPE_CHECKING else object):
-    """What every engine under Node.js does. `momentum`: round-off of a momentum of the order of 1 kg m/s."""
+    """What every engine does that these tests speak with. `momentum`: round-off of a momentum of the order of 1 kg m/s."""
     momentum = 0.0
 
     def test_what_nothing_touches_comes_back_to_the_bit(self) -> None:

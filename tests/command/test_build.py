@@ -31,7 +31,7 @@ class Building(unittest.TestCase):
         self.said = io.StringIO()
         self.commands: list[list[str]] = []
         self.status = 0
-        self.cad = False
+        self.cad = self.dart = False
         for context in (mock.patch.object(build, "REPOSITORY", self.root), contextlib.redirect_stderr(self.said),
                         mock.patch.object(build, "ensure_installed"), mock.patch.object(build, "run_logged", self.run_fake),
                         mock.patch.dict(os.environ), mock.patch.object(first_use, "_built_in", None)):
@@ -46,9 +46,11 @@ class Building(unittest.TestCase):
             self.folder.mkdir(parents=True, exist_ok=True)
             (self.folder / "build.ninja").write_text("")
             self.cad = self.cad or "-DSUNDER_CAD=ON" in command  # cmake's cache keeps it
+            self.dart = self.dart or "-DSUNDER_DART=ON" in command
             tests = "ON" if "-DBUILD_TESTING=ON" in command else "OFF"
             (self.folder / "CMakeCache.txt").write_text(f"CMAKE_HOME_DIRECTORY:INTERNAL={self.root}\n"
-                                                        f"SUNDER_CAD:BOOL={'ON' if self.cad else 'OFF'}\nBUILD_TESTING:BOOL={tests}\n")
+                                                        f"SUNDER_CAD:BOOL={'ON' if self.cad else 'OFF'}\n"
+                                                        f"SUNDER_DART:BOOL={'ON' if self.dart else 'OFF'}\nBUILD_TESTING:BOOL={tests}\n")
         with log.open("a") as sink:
             sink.write("".join(f"line {k}\n" for k in range(100)))
         for line in ("[0/1] Re-checking globbed directories...", "[1/2] one", "[2/2] two") if on_line and len(self.commands) < 3 else ():
@@ -138,6 +140,27 @@ class Building(unittest.TestCase):
         build.ensure_built()
         self.assertTrue(all(c[:2] == ["cmake", "--build"] for c in self.commands[before:]), "nothing to configure")
         self.assertTrue(self.cad)
+
+    def test_dart_is_a_program_of_its_own_that_few_ask_for(self) -> None:
+        build.ensure_built(cad=True)
+        self.assertNotIn("-DSUNDER_DART=ON", self.commands[0])
+        found = engines.resolve("dart", build.ensure_built())
+        self.assertEqual(found.command, (str(self.folder / "rigid" / "sunder-rigid-dart"), "--engine", "dart"))
+        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES + install.DART_PACKAGES)
+        self.assertEqual(self.commands[-2], ["cmake", "--preset", "release", "-DBUILD_TESTING=OFF", "-DSUNDER_DART=ON"])
+        self.assertEqual(self.commands[-1][3:-2], ["--target", "sunder-shell", "sunder-rigid", "sunder-rigid-dart"])
+        build.ensure_built()
+        self.assertNotIn("sunder-rigid-dart", self.commands[-1])
+        (self.root / "VERSION").write_text("1.2.3\n")
+        with mock.patch.object(build, "INSTALLED", self.root / "VERSION"), self.assertRaisesRegex(CommandError, "an installation does not have"):
+            build.ensure_built(dart=True)
+        os.environ[BUILD_DIR_VARIABLE] = str(self.folder)
+        self.finished("shell/sunder-shell", "rigid/sunder-rigid")
+        asked = f"lacks sunder-rigid-dart.*run: cmake -S {self.root} -B {self.folder} -DSUNDER_DART=ON && cmake --build .*libdart-dev"
+        with self.assertRaisesRegex(CommandError, asked):
+            engines.resolve("dart", build.ensure_built())
+        self.finished("rigid/sunder-rigid-dart")
+        self.assertEqual(engines.resolve("dart", build.ensure_built()), found)
 
     def test_the_command_builds_here_or_says_why_not(self) -> None:
         with mock.patch.object(command, "ensure_built") as ensure:

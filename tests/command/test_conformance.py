@@ -168,7 +168,7 @@ class Testing(unittest.TestCase):
 class KnownFailures(unittest.TestCase):
     def test_are_lists_of_engines_that_there_are(self) -> None:
         lists = sorted(path.stem for path in (REPOSITORY / "tests" / "conformance" / "known").glob("*"))
-        self.assertEqual(lists, ["bullet", "freeflight", "jolt", "mujoco", "ode"])
+        self.assertEqual(lists, ["bullet", "dart", "freeflight", "jolt", "mujoco", "ode"])
 
 
 if __name__ == "__main__":

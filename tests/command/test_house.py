@@ -109,6 +109,8 @@ class House(unittest.TestCase):
                 self.assertTrue(path.name.startswith("bullet_"), f"{path} names the engine")
             if any(name.startswith("ode/") for name in includes(path)):
                 self.assertEqual(path.name, "ode_solver.cpp", f"{path} names the engine")
+            if any(name.startswith("dart/") for name in includes(path)):
+                self.assertEqual(path.name, "dart_solver.cpp", f"{path} names the engine")
 
     def test_python_goes_one_way(self) -> None:
         found = modules(TOP / "coupler", PRODUCT)

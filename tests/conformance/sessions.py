@@ -54,7 +54,7 @@ def play_session(session: Path, rigid: str, tolerance: float | None, report: Pat
 
 def _played(player: Player, rigid: str) -> tuple[Played, str]:
     """What came out, and what is wrong with how the engine ended. Raises CommandError."""
-    own = "/" in rigid or rigid == engines.JOLT
+    own = "/" in rigid or rigid in engines.NODE_PROGRAMS
     built = build_dir()
     place = engines.resolve(rigid, Executables(built, built, built) if own else ensure_built())
     with SocketDir() as socket:

@@ -44,6 +44,7 @@ def declared(executables: Executables) -> dict[str, list[str] | None]:
         except CommandError as error:
             print(f"{name} keeps its column: {error}", file=sys.stderr)
             found[name] = None
+    found.setdefault(engines.DART, None)  # where it is not built
     return found
 
 

@@ -5,7 +5,7 @@ import unittest
 
 from tests.docs.engines import BEGIN, END, FAILS, HAS, PAGE, columns_of, declared, known_failures, parts_of, table, words_of
 from sunder_tools.launch.build import ensure_built
-from sunder_tools.launch.engines import NODE_PROGRAMS
+from sunder_tools.launch.engines import DART, NODE_PROGRAMS
 
 WORDS = ["spheres", "contact"]
 
@@ -15,7 +15,7 @@ class Engines(unittest.TestCase):
         text = PAGE.read_text(encoding="utf-8")
         found, written = declared(ensure_built()), parts_of(text)[1]
         self.assertEqual(written, table(words_of(text), found, written), "run /usr/bin/python3 -B -m tests.docs.engines")
-        self.assertEqual(list(columns_of(written))[1:], ["bullet", "ode", "freeflight", *NODE_PROGRAMS])
+        self.assertEqual(list(columns_of(written))[1:], ["bullet", "ode", "freeflight", *NODE_PROGRAMS, DART])
         for name in ("bullet", "ode", "freeflight"):
             self.assertIn("spheres", found[name] or [], name)
 

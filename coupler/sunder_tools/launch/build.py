@@ -17,7 +17,7 @@ from ..errors import CommandError
 from ..places import BUILD_DIR_VARIABLE, CHECKOUT_ONLY, INSTALLED, PROGRAMS, REPOSITORY
 from ..words import command_line
 from . import first_use
-from .install import CAD_PACKAGES, PACKAGES, TEST_PACKAGES, ensure_installed
+from .install import CAD_PACKAGES, DART_PACKAGES, PACKAGES, TEST_PACKAGES, ensure_installed
 from .level import level
 from .logged import run_logged, tail
 
@@ -26,6 +26,9 @@ NOT_WRITABLE = (errno.EACCES, errno.EPERM, errno.EROFS)
 SOURCE_ROOMS, SOURCE_ENDINGS = ("proto", "coupler", "shell", "rigid"), (".cpp", ".h", ".proto")
 OF_A_RUN = ("sunder-shell", "sunder-rigid")
 UNTESTED = (*OF_A_RUN, "sunder-single")  # all that is built without the packages of tests
+DART = "sunder-rigid-dart"  # a program that is built on request only
+# Options of CMake that the build tree remembers once they are asked for, and their packages.
+OPTIONS = {"SUNDER_CAD": CAD_PACKAGES, "SUNDER_DART": DART_PACKAGES}
 
 
 @dataclass(frozen=True)
@@ -35,22 +38,30 @@ class Executables:
     rigid: Path
     single: Path  # both in one
 
+    @property
+    def dart(self) -> Path:
+        """The engine of DART, which may not be built."""
+        return self.rigid.with_name(DART)
+
 
 def build_dir() -> Path:
     """The folder with the executables: SUNDER_BUILD_DIR, else build/release of this checkout."""
     return Path(os.environ.get(BUILD_DIR_VARIABLE) or REPOSITORY / "build" / "release").absolute()
 
 
-def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[str, ...] = ()) -> Executables:
+def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[str, ...] = (), dart: bool = False) -> Executables:
     """Installs packages and builds as far as needed; quick when nothing is. Raises CommandError.
 
     Always what a run needs; `targets` beside that, or all. The packages of tests are installed for these only.
     `cad`: with OpenCASCADE, now and, as the build tree remembers it, from now on; an installation and a build that
-    SUNDER_BUILD_DIR names stay as they are. A build that is finished serves users who may not write to it.
+    SUNDER_BUILD_DIR names stay as they are. `dart`: with the engine of DART, likewise; where it is not in such a build,
+    that is an error. A build that is finished serves users who may not write to it.
     """
     testing = all_targets or any(target not in UNTESTED for target in targets)
+    targets += (DART,) if dart else ()
+    options = [name for name, asked in zip(OPTIONS, (cad, dart)) if asked]
     if INSTALLED.is_file() and not os.environ.get(BUILD_DIR_VARIABLE):
-        if testing:
+        if testing or dart:
             raise CommandError(f"this {CHECKOUT_ONLY}")
         programs = level(PROGRAMS)
         return Executables(*(programs / name for name in UNTESTED))
@@ -71,10 +82,10 @@ def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[st
         folder.parent.mkdir(exist_ok=True)
         with only_builder(folder.parent / "lock"):
             ensure_installed(folder.parent / "install.log",
-                             PACKAGES + (TEST_PACKAGES if testing else ()) + (CAD_PACKAGES if cad else ()))
-            _build(folder, folder.parent / "build.log", [] if all_targets else [*OF_A_RUN, *targets], testing, cad)
+                             PACKAGES + (TEST_PACKAGES if testing else ()) + sum((OPTIONS[name] for name in options), ()))
+            _build(folder, folder.parent / "build.log", [] if all_targets else [*OF_A_RUN, *targets], testing, options)
     except OSError as error:
-        lacks = all_targets or (cad and not _has(folder, "SUNDER_CAD")) or _missing(found, (*OF_A_RUN, *targets))
+        lacks = all_targets or not all(_has(folder, name) for name in options) or _missing(found, (*OF_A_RUN, *targets))
         if error.errno in NOT_WRITABLE and not lacks:
             _say_if_old(found)
             return found
@@ -85,13 +96,17 @@ def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[st
 
 def _missing(found: Executables, targets: tuple[str, ...]) -> list[str]:
     """Those of the targets that are no executables, of all that is built without the packages of tests."""
-    places = zip(UNTESTED, (found.shell, found.rigid, found.single))
+    places = zip((*UNTESTED, DART), (found.shell, found.rigid, found.single, found.dart))
     return [name for name, path in places if name in targets and not os.access(path, os.X_OK)]
 
 
 def by_cmake(folder: Path, targets: list[str]) -> str:
     """The command that builds these targets in a configured folder."""
-    return command_line(["cmake", "--build", folder, "--target", *targets])
+    build = command_line(["cmake", "--build", folder, "--target", *targets])
+    if DART not in targets:
+        return build
+    return (f"{command_line(['cmake', '-S', REPOSITORY, '-B', folder, '-DSUNDER_DART=ON'])} && {build} (before that, as root: "
+            f"apt-get install -y --no-install-recommends {' '.join(DART_PACKAGES)})")
 
 
 def _say_if_old(found: Executables) -> None:
@@ -144,15 +159,15 @@ def _jobs() -> int:
     return max(1, min(processors, int(min(memory / MEMORY_PER_JOB, 1e6))))
 
 
-def _build(folder: Path, log: Path, targets: list[str], testing: bool, cad: bool) -> None:
+def _build(folder: Path, log: Path, targets: list[str], testing: bool, options: list[str]) -> None:
     """Configures if needed and builds the targets, all where none is named; the whole output goes to `log`."""
     start = time.monotonic()
     log.unlink(missing_ok=True)
     fresh = _needs_configure(folder)
-    if fresh or (cad and not _has(folder, "SUNDER_CAD")) or (testing and not _has(folder, "BUILD_TESTING")):
+    if fresh or not all(_has(folder, name) for name in options) or (testing and not _has(folder, "BUILD_TESTING")):
         print("sunder: configuring", file=sys.stderr, flush=True)
         tests = "ON" if testing or _has(folder, "BUILD_TESTING") else "OFF"
-        _checked(["cmake", "--preset", "release", f"-DBUILD_TESTING={tests}", *(["-DSUNDER_CAD=ON"] if cad else [])], log,
+        _checked(["cmake", "--preset", "release", f"-DBUILD_TESTING={tests}", *(f"-D{name}=ON" for name in options)], log,
                  "configuring")
         os.utime(folder / "build.ninja")  # newer than the presets, even where cmake left it as it was
     progress = _Progress()

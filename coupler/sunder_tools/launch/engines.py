@@ -18,6 +18,7 @@ from .own_time import OwnTime
 from .socket_dir import SocketDir
 
 IN_PROCESS = "inprocess"
+DART = "dart"  # installed and built with its first run
 NODE_PROGRAMS = {name: REPOSITORY / "rigid" / name / f"sunder-rigid-{name}" for name in ("jolt", "mujoco")}
 PERIOD_S = 0.02     # between two looks
 LAST_WORDS_S = 2.0  # for either side to end after the other
@@ -66,6 +67,8 @@ def resolve(text: str, executables: Executables) -> Rigid:
         from .node import ensure_node
         ensure_node()
         return Rigid(text, command=(str(NODE_PROGRAMS[text]), "--engine", text))
+    if text == DART:
+        return Rigid(text, command=(str(ensure_built(dart=True).dart), "--engine", text))
     return Rigid(text, command=(str(executables.rigid), "--engine", text))
 
 
@@ -78,7 +81,7 @@ def check(text: str, rigid: Rigid, executables: Executables) -> None:
                            errors="replace", check=False)
     if found.returncode == BAD_INPUT:
         said = found.stderr.strip() or "refused without a reason"
-        hint = did_you_mean(rigid.in_process or text, names(executables))
+        hint = did_you_mean(rigid.in_process or text, [*names(executables), DART])
         raise CommandError(f"{said}\n--rigid {text}: {hint} (see 'sunder engines')")
     if found.returncode != 0:
         raise CommandError(f"{found.stderr.strip()}\n{rigid.label} {how_it_ended(found.returncode)} while it was "
@@ -86,9 +89,9 @@ def check(text: str, rigid: Rigid, executables: Executables) -> None:
 
 
 def names(executables: Executables) -> list[str]:
-    """Every engine that comes with the project."""
+    """Every engine that comes with the project; DART where it is built."""
     listed = subprocess.run([str(executables.rigid), "--list"], stdout=subprocess.PIPE, text=True, check=True).stdout
-    return listed.split() + _under_node()
+    return listed.split() + _under_node() + ([DART] if os.access(executables.dart, os.X_OK) else [])
 
 
 def _under_node() -> list[str]:
@@ -148,5 +151,7 @@ def table(executables: Executables) -> str:
             lines.append(f"{name:<12} {who['version']!s:<10} {' '.join(words)}")
         except CommandError as error:
             lines.append(f"{name:<12} -          not here: {error}")
+    if DART not in names(executables):
+        lines.append(f"{DART:<12} -          not built: --rigid {DART} installs and builds it")
     lines.append(f"{IN_PROCESS}[:NAME] runs one of those that are C++ in the fracture process itself")
     return "\n".join(lines)

@@ -27,6 +27,7 @@ BLENDER_PACKAGES = ("blender",)  # for `sunder render --cycles`
 PLOT_PACKAGES = ("python3-matplotlib",)  # for plots of series, trades and validations
 # OpenCASCADE. Its CMake files ask for those of TBB, and since 7.8 for fontconfig, on which its package does not depend.
 CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev", "libfontconfig-dev")
+DART_PACKAGES = ("libdart-dev",)  # for `--rigid dart`; with all that it draws in, 245 MB
 LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
 # The names above are those of these distributions: ID and VERSION_ID of os-release, and whether a run was seen there.
 DISTRIBUTIONS = {("debian", "12"): True, ("debian", "13"): True, ("ubuntu", "24.04"): False}
