@@ -26,6 +26,8 @@ constexpr int kSweeps = 100;
 /// Softness of every row relative to its inverse mass. The exact solver factorises a matrix that would be singular,
 /// because several corners of one plate are redundant.
 constexpr double kSoftness = 1e-9;  // [-]
+/// Above this ratio of masses a light body is within the round-off of a heavy one. The library ends its process then.
+constexpr double kLargestRatio = 1.0 / std::numeric_limits<double>::epsilon();  // [-]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One row: an impulse along `linear` and `angular` on the first body, and the opposite one on the second.
@@ -63,6 +65,12 @@ class Rows final : public dart::constraint::ConstraintBase {
   }
   /// Impulse along the first row, after the solution.
   double impulse() const { return impulse_; }
+  /// True where a solution has an impulse.
+  bool is_violated() const {
+    if (contact_) return rows_[0].wanted > 0.0;
+    return std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.wanted != 0.0; });
+  }
+  bool acted() const { return acted_; }
 
   void update() override {}
   bool isActive() const override { return true; }
@@ -101,6 +109,7 @@ class Rows final : public dart::constraint::ConstraintBase {
     for (const End& end : ends_)
       for (std::size_t i = 0; i < rows_.size(); ++i) end.body->addConstraintImpulse(impulses[i] * end.on[i]);
     impulse_ = impulses[0];
+    acted_ = std::any_of(impulses, impulses + rows_.size(), [](double one) { return one != 0.0; });
   }
 
  private:
@@ -119,6 +128,7 @@ class Rows final : public dart::constraint::ConstraintBase {
   double friction_;
   std::size_t applied_ = 0;
   double impulse_ = 0.0;
+  bool acted_ = false;
 };
 
 /// Where an end of a joint is: its anchor and its axes, in world coordinates. `body`: null for the world.
@@ -211,38 +221,51 @@ BodyNode* DartSolver::Impl::place(std::size_t slot, const SolverBody& body, doub
 
 void DartSolver::Impl::solve(double rate, std::vector<SolverBody>& bodies, const Island& island) {
   // The library checks that its matrix is symmetric to a fixed 1e-6, so its numbers should be about 1.
-  double unit = bodies[island.bodies.front()].mass;
-  for (const int i : island.bodies) unit = std::min(unit, bodies[i].mass);
+  double unit = bodies[island.bodies.front()].mass, heaviest = unit;
+  for (const int i : island.bodies) {
+    unit = std::min(unit, bodies[i].mass);
+    heaviest = std::max(heaviest, bodies[i].mass);
+  }
+  if (!(heaviest / unit < kLargestRatio))
+    throw Error(Exit::kPhysics, "engine",
+                fmt::format("bodies of {} and {} kg meet in a group of {}; dart holds ratios below {:.1g}", unit,
+                            heaviest, island.bodies.size(), kLargestRatio));
   std::vector<BodyNode*> nodes(bodies.size(), nullptr);
   for (std::size_t k = 0; k < island.bodies.size(); ++k)
     nodes[island.bodies[k]] = place(k, bodies[island.bodies[k]], unit);
   const auto of = [&](int i) { return i < 0 ? nullptr : nodes[i]; };
   const SkeletonPtr& group = skeletons.front();
   auto& solver = static_cast<std::size_t>(island.rows()) <= kExactRows ? exact : sweeps;
+  std::vector<std::shared_ptr<Rows>> all;
   for (const SolverJoint* j : island.joints)
-    solver.addConstraint(
-        std::make_shared<Rows>(of(j->first), of(j->second), group, rows_of(*j, bodies, rate), false, 0.0));
-  std::vector<std::shared_ptr<Rows>> found;
+    all.push_back(std::make_shared<Rows>(of(j->first), of(j->second), group, rows_of(*j, bodies, rate), false, 0.0));
   for (std::size_t i = 0; i < island.contacts.size(); ++i) {
     const SolverContact& c = *island.contacts[i];
-    solver.addConstraint(found.emplace_back(std::make_shared<Rows>(
-        of(c.first), of(c.second), group, rows_of(c, bodies, target_offset(i)), true, c.friction)));
+    all.push_back(std::make_shared<Rows>(of(c.first), of(c.second), group, rows_of(c, bodies, target_offset(i)), true,
+                                         c.friction));
   }
+  for (const auto& rows : all) solver.addConstraint(rows);
   solver.solve();
   solver.removeAllConstraints();
+  // Where neither of its solvers finds numbers, DART goes on without impulses, and says so on the terminal only.
+  bool found = std::any_of(all.begin(), all.end(), [](const auto& rows) { return rows->acted(); }) ||
+               std::none_of(all.begin(), all.end(), [](const auto& rows) { return rows->is_violated(); });
   for (const int i : island.bodies) {
     const SkeletonPtr skeleton = nodes[i]->getSkeleton();
     if (!skeleton->isImpulseApplied()) continue;
     skeleton->computeImpulseForwardDynamics();
     const Eigen::Matrix<double, 6, 1>& change = nodes[i]->getBodyVelocityChange();
-    if (!change.allFinite())
-      throw Error(Exit::kPhysics, "engine",
-                  fmt::format("dart finds no finite velocities for {} bodies with {} contacts and {} joints",
-                              island.bodies.size(), island.contacts.size(), island.joints.size()));
+    found = found && change.allFinite();
     bodies[i].spin += change.head<3>();
     bodies[i].velocity += change.tail<3>();
   }
-  for (std::size_t i = 0; i < found.size(); ++i) island.contacts[i]->acted = found[i]->impulse() > 0.0;
+  if (!found)
+    throw Error(Exit::kPhysics, "engine",
+                fmt::format("dart finds no finite velocities for {} bodies with {} contacts and {} joints",
+                            island.bodies.size(), island.contacts.size(), island.joints.size()));
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(island.joints.size());
+  for (std::size_t i = 0; i < island.contacts.size(); ++i)
+    island.contacts[i]->acted = first[static_cast<std::ptrdiff_t>(i)]->impulse() > 0.0;
 }
 
 DartSolver::DartSolver() : impl_(std::make_unique<Impl>()) {}

@@ -111,9 +111,9 @@ class Engine(AnyEngine, DartCase):
     def test_tiny_shards_are_solved_as_large_ones_are(self) -> None:
         # the library checks its matrix to a fixed 1e-6: a plate of 2.4 ng and one of 2400 kg fall alike
         for size in (1e-3, 10.0):
-            plate = slab(1, np.array((0.1, 0.08, 0.015)) * size, (0, 0, 0.03 * size), orientation=(1, 0.3, 0.2, 0.1))
+            plate = slab(1, np.array((0.1, 0.08, 0.015)) * size, (0, 0, 0.15 * size), orientation=(1, 0.3, 0.2, 0.1))
             flight = self.flight([plate, floor(2)], gravity=-9.81 * size)
-            flight.run(500)
+            flight.run(900)
             self.assertAlmostEqual(flight.at(1)[2], 0.015 * size, delta=2 * SLACK_M)
             self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-3 * size)
 
@@ -213,6 +213,20 @@ class Refusals(DartCase):
             self.assertEqual((reply["kind"], reply["error"]["kind"]), ("error", "bad_body"))
             self.assertIn(says, reply["error"]["message"])
             self.assertEqual(session.ended()[0], 2)
+
+
+    def test_masses_that_no_number_holds_together(self) -> None:
+        bodies = [ball(1, 0.1, 1e250, (0, 0, 0.3)), ball(2, 0.1, 1e-250, (0, 0, 0.1)), floor(3)]
+        session = self.anew()
+        session.ask(PROTOCOL)
+        session.ask({"load": {"bodies": bodies}})
+        keys = ("id", "orientation", "angular_momentum")
+        fallen = [{**{k: b[k] for k in keys}, "position": xyz((0, 0, z)), "velocity": xyz((0, 0, -1))}
+                  for b, z in zip(bodies, (0.29, 0.09))]
+        reply = session.ask({"window": {"ticks": 1, "window_s": 1e-2, "predicted": fallen}})
+        self.assertEqual((reply["kind"], reply["error"]["kind"]), ("error", "engine"))
+        self.assertIn("bodies of 1e-250 and 1e+250 kg meet in a group of 2; dart holds ratios below 5e+15", reply["error"]["message"])
+        self.assertEqual(session.ended()[0], 4)
 
 
 class ARun(unittest.TestCase):
