@@ -98,6 +98,17 @@ bool any_material_of(const proto::Scene& m, const proto::Shell& shell, F&& f) {
 /// Cuts and trims of a shell, whose field is `field` (validate_cuts.cpp).
 void validate_cuts(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
 
+/// Least and largest factor on the thickness of a shell.
+constexpr double kThinnest = 0.01, kThickest = 100.0;
+/// A factor on the thickness: it must be given, and be within its limits.
+inline void thickness_factor(const LoadedScene& s, const std::string& f, bool has, double factor) {
+  positive(s, f, has, factor, "-");
+  s.check(factor >= kThinnest && factor <= kThickest, f, "is {}; {} to {} times thickness_m", factor, kThinnest,
+          kThickest);
+}
+/// Law, map and paint of the thickness of a shell (validate_thickness.cpp).
+void validate_thickness(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
+
 /// Regions, lines and map of strength of a shell (validate_strength.cpp).
 void validate_strength(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
 /// Lines of strength in space, and the shells that they name.

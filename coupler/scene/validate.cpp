@@ -291,6 +291,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
           "is given, but a shell in equilibrium starts at rest");
   validate_cuts(s, f, shell);
   validate_strength(s, f, shell);
+  validate_thickness(s, f, shell);
   finite(s, f + ".velocity", shell.velocity());
 }
 

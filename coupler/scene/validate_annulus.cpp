@@ -66,6 +66,7 @@ void validate_annulus(const LoadedScene& s, const std::string& f, const proto::S
   refuse(shell.trims_size() > 0, "trims", "take a plate with round trims");
   refuse(shell.strength_regions_size() > 0, "strength_regions", "leave them out");
   refuse(shell.has_strength_map(), "strength_map", "leave it out");
+  refuse(shell.has_thickness_map(), "thickness_map", "leave it out, or give a thickness_law");
   refuse(shell.strength_lines_size() > 0, "strength_lines",
          "leave them out, or give strength_lines of the scene, in space");
 }

@@ -336,7 +336,8 @@ void check_start(const scene::LoadedScene& scene, const proto::Body& message, co
   for (int q = 0; q < s.tables.blocks(); ++q)
     for (int e = 0; e < s.tables.spans_u; ++e)
       if (const GaussPoint g = gauss_point(s.patch, s.tables, q, e); g.weight > 0.0)
-        least = std::min(least, proxy.distance(s.patch.evaluate(g.parameter).x).value);
+        least = std::min(
+            least, proxy.distance(s.patch.evaluate(g.parameter).x).value - 0.5 * (s.thickness_at(q, e) - s.thickness));
   scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + (message.motion_size() > 0 ? ".motion" : ".pose"),
               "'{}' starts {:.3g} m inside shell '{}'; move it away", b.name, 0.5 * s.thickness - least, s.name);
 }
@@ -409,7 +410,8 @@ void set_laws(const proto::Scene& m, Groups& groups, RunSetup& r) {
 
 double RunSetup::thickness() const {
   double least = 0.0;
-  for (const ShellSetup& s : shells) least = least == 0.0 ? s.model.thickness : std::min(least, s.model.thickness);
+  for (const ShellSetup& s : shells)
+    least = least == 0.0 ? s.model.least_thickness() : std::min(least, s.model.least_thickness());
   return least;
 }
 

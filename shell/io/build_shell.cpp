@@ -10,8 +10,10 @@
 #include "shell/io/cad_file.h"
 #include "shell/io/cad_loop.h"
 #include "shell/io/mesh_parts.h"
+#include "shell/io/reference_surface.h"
 #include "shell/io/ring_sectors.h"
 #include "shell/io/strength_factors.h"
+#include "shell/io/thickness_factors.h"
 #include "shell/io/trims.h"
 
 namespace sunder::shell {
@@ -19,6 +21,7 @@ namespace {
 
 constexpr double kDegree1 = std::numbers::pi / 180.0;
 constexpr double kMostElements = 1e6;   // of a shell
+constexpr double kOffsetError = 0.01;   // of the thickness, by which a middle surface may differ from its offset
 constexpr double kWholeElement = 1e-9;  // of an element that rounding up leaves out
 
 template <class F>
@@ -49,9 +52,9 @@ std::pair<int, int> elements_of(const scene::LoadedScene& scene, const proto::Ca
   return {std::max(1, static_cast<int>(u)), std::max(1, static_cast<int>(v))};
 }
 
-// The patch of a shell. `loops` receives those of a CAD face, in its parameters.
-Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, CadFiles& files,
-                 int part, std::vector<CadLoop>& loops) {
+// The patch as the scene or a file gives it. `loops` receives those of a CAD face, in its parameters.
+Patch given_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, CadFiles& files,
+                  int part, std::vector<CadLoop>& loops) {
   const int degree = scene::patch_degree(s);
   if (s.has_plate()) {
     const auto& p = s.plate();
@@ -92,7 +95,7 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
     });
   }
   if (s.has_mesh()) {
-    const CadSurface& chart = files.mesh(scene, field + ".mesh", s.mesh()).surfaces.at(part);
+    const CadSurface& chart = files.mesh(scene, field + ".mesh", s).surfaces.at(part);
     loops = chart.loops;
     return posed(chart.patch, s.mesh());
   }
@@ -112,6 +115,29 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
   });
   if (!n.has_elements_u() && !n.has_elements_v()) return patch;
   return refined_at_least(patch, n.has_elements_u() ? n.elements_u() : 1, n.has_elements_v() ? n.elements_v() : 1);
+}
+
+// The middle surface of a shell whose patch is one of its faces. Meshes are moved before they are divided into charts.
+Patch middle_of(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, const Patch& given) {
+  if (s.reference() == proto::Shell::MIDDLE || s.has_mesh()) return given;
+  const Patch lengths = with_parameters_as_lengths(given);
+  const ThicknessFactor factor = thickness_factors(scene, s, lengths, field, nullptr);
+  const auto scaled = [](const KnotVector& from, const KnotVector& to, double x) {
+    return to.begin() + (x - from.begin()) * (to.end() - to.begin()) / (from.end() - from.begin());
+  };
+  const double half = (s.reference() == proto::Shell::OUTSIDE ? -0.5 : 0.5) * s.thickness_m();
+  const auto distance = [&](const Vec2& p) {
+    const Vec2 own(scaled(given.knots_u, lengths.knots_u, p.x()), scaled(given.knots_v, lengths.knots_v, p.y()));
+    return half * (factor ? factor(lengths, own) : 1.0);
+  };
+  return at_field(scene, field + ".reference",
+                  [&] { return offset_patch(given, distance, kOffsetError * s.thickness_m()); });
+}
+
+// The patch of a shell: its middle surface.
+Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, CadFiles& files,
+                 int part, std::vector<CadLoop>& loops) {
+  return middle_of(scene, s, field, given_patch(scene, s, field, files, part, loops));
 }
 
 Vec2 to_parameter(const proto::ParameterPoint& p) { return {p.u(), p.v()}; }
@@ -267,18 +293,24 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
              [&] { return prepare_loads(scaled, RowTables{}, {loads[i]}, name); });
   const TrimLoops trims = make_trims(scene, s, scaled, field, scaled_loops(loops, patch, scaled));
   if (!loops.empty()) check_with_loops(scene, s, field);
-  ShellModel model = at_field(scene,
-                              trims.empty() ? field
-                                            : field + (loops.empty()  ? ".trims"
-                                                       : s.has_mesh() ? ".mesh"
-                                                                      : ".cad"),
-                              [&] {
-                                return make_shell(s.name(), patch, s.thickness_m(), material,
-                                                  s.has_layers() ? s.layers() : 2, gauss, supports, loads, trims);
-                              });
+  std::optional<Paint> thick_paint;
+  if (s.has_mesh() && s.mesh().has_thickness_paint())
+    thick_paint = files.mesh(scene, field + ".mesh", s).thickness_paint(part);
+  const ThicknessFactor factor = thickness_factors(scene, s, scaled, field, thick_paint ? &*thick_paint : nullptr);
+  ShellModel model =
+      at_field(scene,
+               trims.empty() ? field
+                             : field + (loops.empty()  ? ".trims"
+                                        : s.has_mesh() ? ".mesh"
+                                                       : ".cad"),
+               [&] {
+                 return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2, gauss,
+                                   supports, loads, trims, factor);
+               });
+  check_thickness(scene, model.tables, model.patch, field);
   std::optional<Paint> paint;
-  if (s.has_mesh() && s.mesh().has_strength_paint()) paint = files.mesh(scene, field + ".mesh", s.mesh()).paint(part);
-  if (s.has_mesh()) model.texture = files.mesh(scene, field + ".mesh", s.mesh()).texture_map(part);
+  if (s.has_mesh() && s.mesh().has_strength_paint()) paint = files.mesh(scene, field + ".mesh", s).paint(part);
+  if (s.has_mesh()) model.texture = files.mesh(scene, field + ".mesh", s).texture_map(part);
   model.strength_factor = strength_factors(scene, s, model, field, paint ? &*paint : nullptr);
   for (int q = 0; q < model.tables.blocks(); ++q)
     for (int e = 0; e < model.tables.spans_u; ++e) {

@@ -108,7 +108,8 @@ void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32
       for (int block = 0; block < s.tables.blocks(); ++block)
         for (int e = 0; e < s.tables.spans_u; ++e)
           if (const GaussPoint g = gauss_point(s.patch, s.tables, block, e); g.weight > 0.0)
-            least = std::min(least, solid.distance(s.patch.evaluate(g.parameter).x).value);
+            least = std::min(least, solid.distance(s.patch.evaluate(g.parameter).x).value -
+                                        0.5 * (s.thickness_at(block, e) - s.thickness));
       scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + ".pose",
                   "'{}' starts {:.3g} m inside shell '{}'; move it away", m.name(), 0.5 * s.thickness - least, s.name);
     }

@@ -78,8 +78,8 @@ class CadFiles {
     return known != files_.end() ? known->second : files_.emplace(key, CadFile(scene, field, cad)).first->second;
   }
 
-  /// The shells of a mesh (mesh_parts.h); `field` is that of the mesh.
-  const MeshShells& mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& mesh);
+  /// The shells of the mesh of a shell, or of a part of it (mesh_parts.h); `field` is that of the mesh.
+  const MeshShells& mesh(const scene::LoadedScene& scene, const std::string& field, const proto::Shell& shell);
 
  private:
   std::map<std::pair<std::string, double>, CadFile> files_;  // by path and unit_m

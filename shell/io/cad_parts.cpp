@@ -24,7 +24,7 @@ bool is_several(const std::vector<ScenePart>& parts, int shell) {
 void add_charts(const scene::LoadedScene& scene, int shell, CadFiles& files, std::vector<ScenePart>& out) {
   const proto::Shell& m = scene.message.shells(shell);
   const std::string field = fmt::format("shells[{}]", shell);
-  const MeshShells& mesh = files.mesh(scene, field + ".mesh", m.mesh());
+  const MeshShells& mesh = files.mesh(scene, field + ".mesh", m);
   const int charts = static_cast<int>(mesh.surfaces.size());
   check_one_patch(scene, m, field, charts);
   for (int k = 0; k < charts; ++k) {
@@ -128,7 +128,7 @@ std::vector<std::vector<char>> may_meet(const scene::LoadedScene& scene, const s
   std::vector<std::vector<char>> out(parts.size(), std::vector<char>(parts.size(), 1));
   for (int i = 0; i < scene.message.shells_size(); ++i) {
     if (scene.message.shells(i).has_mesh()) {
-      const MeshShells& mesh = files.mesh(scene, fmt::format("shells[{}].mesh", i), scene.message.shells(i).mesh());
+      const MeshShells& mesh = files.mesh(scene, fmt::format("shells[{}].mesh", i), scene.message.shells(i));
       std::set<std::pair<int, int>> beside;
       for (const MeshSeam& s : mesh.charts.seams) beside.insert(std::minmax(s.first, s.second));
       for (std::size_t a = 0; a < parts.size(); ++a)
@@ -199,10 +199,14 @@ void check_joined(const scene::LoadedScene& scene, const std::vector<ScenePart>&
       scene.check(
           joined || edge.length * scale < kShortEdge * spacing, field + ".path",
           "'{}': faces {} and {} share an edge of {:.3g} m about ({:.4g}, {:.4g}, {:.4g}) m, but '{}' and '{}' do "
-          "not meet there; give a larger seams.tolerance_m, or add to seams: rules {{ first: \"{}\" second: "
+          "not meet there; {}give a larger seams.tolerance_m, or add to seams: rules {{ first: \"{}\" second: "
           "\"{}\" kind: OPEN }}",
           cad.path(), own[0], own[1], edge.length * scale, scale * edge.middle.x(), scale * edge.middle.y(),
-          scale * edge.middle.z(), one, other, one, other);
+          scale * edge.middle.z(), one, other,
+          scene.message.shells(i).reference() == proto::Shell::MIDDLE
+              ? ""
+              : "faces that meet in a crease have no common middle surface: leave reference out, or ",
+          one, other);
     }
   }
 }

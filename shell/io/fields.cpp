@@ -82,11 +82,10 @@ const FieldSampler::Known& FieldSampler::at_gauss(int block, int lane) {
 double FieldSampler::pressure(const GatheredPoint& point, const Vec3& normal) const {
   if (contact_.impulse.empty() || contact_.time <= 0.0) return 0.0;
   double sum = 0.0;
-  const double mass_per_area = model_.material.density * model_.thickness;
   for (const GatheredFunction& f : point.functions) {
     if (model_.mass[f.slot] <= 0.0) continue;  // the area of a control point is its mass over that of an area
     const Vec3 j = state_.at(contact_.impulse, f.slot);
-    sum -= f.n[0] * j.dot(normal) * mass_per_area / (model_.mass[f.slot] * contact_.time);
+    sum -= f.n[0] * j.dot(normal) * model_.mass_per_area(f.slot) / (model_.mass[f.slot] * contact_.time);
   }
   return sum;
 }
@@ -122,6 +121,7 @@ void FieldSampler::compute(int block, int lane, Known& known) const {
     s = section_state(t, own, state_.motion.x, model_.thickness, memory);
   }
   if (!s) return;
+  if (const double factor = t.thickness_factor(block, lane); factor != 1.0) thicken(*s, factor);
   known.bears = true;
   Values& v = known.values;
   v.segment<3>(kNormal) = s->normal;

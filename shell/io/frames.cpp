@@ -145,9 +145,9 @@ struct ShellMeshes {
   VtpMesh middle, solid{};
 };
 
-// `ids` are those of the pieces of control points.
+// `ids` are those of the pieces of control points. `varies`: the thickness of some shell of the frame does.
 ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<BodyId>& ids,
-                       const FrameFields& fields, const ContactOverTime& contact) {
+                       const FrameFields& fields, const ContactOverTime& contact, bool varies) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
   std::vector<BodyId> id;
@@ -159,6 +159,8 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
   FieldSet thickness;
   if (fields.thick) thickness.add(FieldSet::kThickness);
   CellFields thick(m, s, thickness, contact);
+  std::vector<double> at_rest;                                 // thickness of each triangle [m]
+  VtpArray of_points{"thickness_at_rest", 1, {}, false, "m"};  // where it varies
   const auto corner = [&](const Vec2& p, bool near_crack) {
     const Corner c = evaluate(m, s, p, near_crack);
     mesh.points.push_back(c.x);
@@ -166,6 +168,7 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
     displacement.values.insert(displacement.values.end(), {c.u.x(), c.u.y(), c.u.z()});
     const Vec2 share = drawn_parameter(m, p);
     uv.values.insert(uv.values.end(), {share.x(), share.y()});
+    if (varies) of_points.values.push_back(m.thickness_at(p));
     return static_cast<int>(mesh.points.size()) - 1;
   };
   std::vector<char> near(t.vertices.size(), 0);
@@ -209,16 +212,17 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
     const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
     damage.values.push_back(s.layers.c[g]), history.values.push_back(s.layers.c_his[g]),
         fragment.values.push_back(id[t.piece[i]]);
-    asked.add(centre), thick.add(centre);
+    asked.add(centre), thick.add(centre), at_rest.push_back(m.thickness_at(centre));
   }
   mesh.point_data = {velocity, displacement, uv};
+  if (varies) mesh.point_data.push_back(std::move(of_points));
   mesh.cell_data = {damage, history, fragment};
   for (VtpArray& a : asked.arrays()) mesh.cell_data.push_back(std::move(a));
   if (!fields.thick) return {std::move(mesh)};
   std::vector<double>& now = thick.arrays().front().values;
-  for (double& t : now)
-    if (t <= 0.0) t = m.thickness;  // nothing bears stress there
-  VtpMesh solid = thick_sheet(mesh, now, m.thickness);
+  for (std::size_t i = 0; i < now.size(); ++i)
+    if (now[i] <= 0.0) now[i] = at_rest[i];  // nothing bears stress there
+  VtpMesh solid = thick_sheet(mesh, now, at_rest);
   return {std::move(mesh), std::move(solid)};
 }
 
@@ -322,9 +326,11 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
   const ContactOverTime none;
   if (!shells.empty()) {
     VtpMesh shell, cracks, thick;
+    const bool varies =
+        std::any_of(shells.begin(), shells.end(), [](const ShellView& view) { return view.model->varies(); });
     for (std::size_t k = 0; k < shells.size(); ++k) {
       const ContactOverTime& contact = k < fields.contact.size() ? fields.contact[k] : none;
-      ShellMeshes meshes = shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact);
+      ShellMeshes meshes = shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact, varies);
       append(shell, std::move(meshes.middle), static_cast<int>(k));
       if (fields.thick) append(thick, std::move(meshes.solid), static_cast<int>(k));
       shell.shell_names.push_back(shells[k].model->name);

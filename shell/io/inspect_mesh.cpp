@@ -123,7 +123,7 @@ std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {
                   {"refused", nullptr}};
   try {
     CadFiles files;
-    const MeshShells& shells = files.mesh(scene, "shells[0].mesh", scene.message.shells(0).mesh());
+    const MeshShells& shells = files.mesh(scene, "shells[0].mesh", scene.message.shells(0));
     const RunSetup setup = build(scene);
     for (std::size_t k = 0; k < setup.shells.size(); ++k)
       out["charts"].push_back(chart_of(setup.shells[k].model, shells.charts.patches[k], asked.element));

@@ -6,6 +6,8 @@
 
 #include "coupler/core/nearest.h"
 #include "coupler/scene/mesh.h"
+#include "shell/io/reference_surface.h"
+#include "shell/io/thickness_factors.h"
 
 namespace sunder::shell {
 namespace {
@@ -70,14 +72,15 @@ std::vector<int> parts_of_faces(const scene::LoadedScene& scene, const std::stri
   return out;
 }
 
-// Factors of the strength at points of the mesh.
+// Factors of a paint at points of the mesh.
+template <class PaintMessage>
 std::vector<double> factors_of(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& m,
-                               const ShellMesh& read) {
-  const proto::StrengthPaint& paint = m.strength_paint();
-  scene.check(!read.colours.empty(), field,
-              "is given, and points of '{}' have no colours; export a PLY or OBJ file with colours of points, or leave "
-              "it out",
-              m.path());
+                               const PaintMessage& paint, const ShellMesh& read) {
+  scene.check(
+      !read.colours.empty(), field,
+      "is given, and points of '{}' have no colours; export a PLY, OBJ or glTF file with colours of points, or leave "
+      "it out",
+      m.path());
   const double low = paint.low_factor(), high = paint.has_high_factor() ? paint.high_factor() : 1.0;
   std::vector<double> out;
   for (const int k : read.mesh.of_file) {
@@ -149,16 +152,49 @@ proto::Shell shell_of_chart(const proto::Shell& shell, const MeshShells& mesh, i
   return out;
 }
 
+namespace {
+
+// Moves the face of a sheet that a file gives to the middle.
+void move_to_middle(const scene::LoadedScene& scene, const std::string& field, const proto::Shell& shell,
+                    MeshShells& out) {
+  const proto::SurfaceMesh& m = shell.mesh();
+  const double side = shell.reference() == proto::Shell::OUTSIDE ? -0.5 : 0.5;
+  const Vec3 position = scene::to_vec(m.pose().position());
+  const Quat turn = scene::to_quat(m.pose());
+  const auto distance = [&](int point, int part) {
+    const bool own = part > 0 && m.parts(part - 1).has_thickness_m();
+    double thickness = own ? m.parts(part - 1).thickness_m() : shell.thickness_m();
+    if (!out.thickness.empty()) thickness *= out.thickness[point];
+    if (shell.has_thickness_law()) {
+      const Vec3 place = position + turn * out.mesh.points[point];
+      thickness *= law_factor(shell.thickness_law(), place);
+    }
+    return side * thickness;
+  };
+  try {
+    offset_mesh(out.mesh, distance);
+  } catch (const Error& e) {
+    scene.fail(field.substr(0, field.rfind('.')) + ".reference", fmt::format("'{}' {}", m.path(), e.what()));
+  }
+}
+
+}  // namespace
+
 std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, const std::string& field,
-                                              const proto::SurfaceMesh& m) {
+                                              const proto::Shell& shell) {
+  const proto::SurfaceMesh& m = shell.mesh();
   auto out = std::make_shared<MeshShells>();
   ShellMesh read = read_shell_mesh(scene, field, m);
-  if (m.has_strength_paint()) out->factors = factors_of(scene, field + ".strength_paint", m, read);
+  if (m.has_strength_paint()) out->factors = factors_of(scene, field + ".strength_paint", m, m.strength_paint(), read);
+  if (m.has_thickness_paint())
+    out->thickness = factors_of(scene, field + ".thickness_paint", m, m.thickness_paint(), read);
   out->mesh = std::move(read.mesh);
   for (const Vec2& uv : read.texture) out->texture[0].push_back(uv.x()), out->texture[1].push_back(uv.y());
+  if (shell.reference() != proto::Shell::MIDDLE) move_to_middle(scene, field, shell, *out);
+  const bool painted = m.has_strength_paint() || m.has_thickness_paint();
   try {
     out->charts = patches_of(out->mesh, {m.element_m(), crease_of(m) * kDegreeOfMesh, m.has_degree() ? m.degree() : 2,
-                                         out->mesh.part, m.has_strength_paint() || !read.texture.empty()});
+                                         out->mesh.part, painted || !read.texture.empty()});
   } catch (const Error& e) {
     scene.fail(field + ".path", fmt::format("'{}': {}", m.path(), e.what()));
   }
@@ -173,10 +209,18 @@ std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, c
   return out;
 }
 
-const MeshShells& CadFiles::mesh(const scene::LoadedScene& scene, const std::string& field,
-                                 const proto::SurfaceMesh& mesh) {
-  std::shared_ptr<const MeshShells>& known = meshes_[mesh.SerializeAsString()];
-  if (!known) known = mesh_shells(scene, field, mesh);
+const MeshShells& CadFiles::mesh(const scene::LoadedScene& scene, const std::string& field, const proto::Shell& shell) {
+  const std::string name = shell.name().substr(0, shell.name().find('.'));
+  const auto& all = scene.message.shells();
+  const auto own = std::find_if(all.begin(), all.end(), [&](const proto::Shell& s) { return s.name() == name; });
+  proto::Shell key;
+  *key.mutable_mesh() = shell.mesh();
+  if (shell.reference() != proto::Shell::MIDDLE) {  // then the surface depends on the thickness
+    key.set_reference(shell.reference()), key.set_thickness_m(own->thickness_m());
+    if (shell.has_thickness_law()) *key.mutable_thickness_law() = shell.thickness_law();
+  }
+  std::shared_ptr<const MeshShells>& known = meshes_[key.SerializeAsString()];
+  if (!known) known = mesh_shells(scene, field, key);
   return *known;
 }
 
@@ -195,6 +239,9 @@ void check_one_patch(const scene::LoadedScene& scene, const proto::Shell& s, con
   refuse(s.trims_size() > 0, "trims", "leave trims out, and cut the mesh in the program that made it");
   refuse(s.strength_regions_size() > 0, "strength_regions", "leave them out");
   refuse(s.has_strength_map(), "strength_map", "leave it out");
+  refuse(s.has_thickness_map(), "thickness_map", "leave it out, or give thickness_paint");
+  refuse(s.has_thickness_law() && s.thickness_law().along() < proto::ThicknessLaw::X, "thickness_law.along",
+         "take X, Y or Z, which are the world's");
   refuse(s.strength_lines_size() > 0, "strength_lines",
          "leave them out, or give strength_lines of the scene, in space");
   for (int i = 0; i < s.loads_size(); ++i)
@@ -210,7 +257,7 @@ std::vector<KnownBorder> mesh_borders(const scene::LoadedScene& scene, const std
     while (end < parts.size() && parts[end].shell == parts[first].shell) ++end;
     if (parts[first].message.has_mesh()) {
       const MeshShells& mesh =
-          files.mesh(scene, fmt::format("shells[{}].mesh", parts[first].shell), parts[first].message.mesh());
+          files.mesh(scene, fmt::format("shells[{}].mesh", parts[first].shell), parts[first].message);
       for (const MeshSeam& seam : mesh.charts.seams) {
         out.push_back({static_cast<int>(first) + seam.first, static_cast<int>(first) + seam.second, seam.on_first,
                        seam.on_second, seam.closed, !seam.crease});

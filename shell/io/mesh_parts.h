@@ -20,11 +20,13 @@ struct MeshShells {
   MeshPatches charts;
   std::vector<CadSurface> surfaces;  // [chart]
   std::vector<double> factors;       // of the strength at each point of the mesh; empty: no paint
+  std::vector<double> thickness;     // the same of the thickness
   // Texture coordinates of corner k of triangle t of the mesh, at 3 t + k; empty: the file has none.
   std::array<std::vector<double>, 2> texture;
 
   /// Factors of the strength over a chart.
   Paint paint(int chart) const { return {charts.patches[chart].placed, factors}; }
+  Paint thickness_paint(int chart) const { return {charts.patches[chart].placed, thickness}; }
   /// Texture coordinates over a chart by its parameters; null where the file has none for a face of the chart.
   std::function<Vec2(const Vec2&)> texture_map(int chart) const;
 };
@@ -55,9 +57,10 @@ std::string unit_warning(const std::string& path, double size, const std::string
 /// The shell of a chart: that of the scene with what its part of the mesh has of its own.
 proto::Shell shell_of_chart(const proto::Shell& shell, const MeshShells& mesh, int chart);
 
-/// The shells of a mesh. Throws Error as read_shell_mesh, and where no patches can be fitted.
+/// The shells of the mesh of a shell, of which mesh, reference, thickness and its law count. Throws Error as
+/// read_shell_mesh, and where no patches can be fitted.
 std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, const std::string& field,
-                                              const proto::SurfaceMesh& mesh);
+                                              const proto::Shell& shell);
 
 /// Throws Error where a shell of several charts has what is for one patch only. `field` is the shell's.
 void check_one_patch(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field, int charts);

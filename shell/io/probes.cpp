@@ -51,7 +51,7 @@ std::pair<double, double> surface_area(const ShellModel& m, const ShellState& s)
       if (point < 0) shell_functions(m, q, e, uncut.functions);
       const GatheredPoint& p = point < 0 ? uncut : s.cracked.gathered[point];
       if (s.motion.detached[p.functions[0].slot]) continue;
-      const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
+      const double area = t.metric[t.at(q, kMetricFields, kArea, e)] / t.thickness_factor(q, e);
       const auto measure = [&](const std::vector<double>& x) {
         return 1.0 / surface_forms(gather(t, p, x)).inverse_area;
       };

@@ -113,9 +113,9 @@ std::string too_thick(const std::vector<ShellSetup>& shells, const std::vector<S
   std::vector<double> areas;
   for (const ShellSetup& shell : shells) {
     const ShellModel& m = shell.model;
-    double mass = 0.0;
-    for (int i = 0; i < m.control_points(); ++i) mass += m.mass[m.tables.slot(i)];
-    areas.push_back(mass / (m.material.density * m.thickness));
+    double area = 0.0;
+    for (int i = 0; i < m.control_points(); ++i) area += m.mass[m.tables.slot(i)] / m.mass_per_area(m.tables.slot(i));
+    areas.push_back(area);
   }
   const auto together = components(shells.size(), seams);
   std::string out;
@@ -125,7 +125,7 @@ std::string too_thick(const std::vector<ShellSetup>& shells, const std::vector<S
     bool joined = false;
     for (std::size_t i = 0; i < shells.size(); ++i)
       if (i != k && together[k][i] != 0) area += areas[i], joined = true;
-    const double ratio = shell.model.thickness / std::sqrt(area);
+    const double ratio = shell.model.largest_thickness() / std::sqrt(area);
     if (ratio > kThin)
       out += fmt::format(
           "{}shell '{}' is {:.2g} times as thick as {} wide: without shear through the thickness its deflections are "

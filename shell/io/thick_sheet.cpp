@@ -52,10 +52,10 @@ struct Half {
 };
 
 Half halves_of(const Sheet& sheet, const std::vector<Vec3>& rest, const std::vector<Vec3>& x,
-               const std::vector<Vec3>& v, const std::vector<double>& thickness, double at_rest) {
+               const std::vector<Vec3>& v, const std::vector<double>& thickness, const std::vector<double>& at_rest) {
   const std::size_t n = sheet.source.size();
   Half sum{std::vector<Vec3>(n, Vec3::Zero()), std::vector<Vec3>(n, Vec3::Zero()), std::vector<Vec3>(n, Vec3::Zero())};
-  std::vector<double> area(n, 0.0), weighted(n, 0.0);
+  std::vector<double> area(n, 0.0), weighted(n, 0.0), resting(n, 0.0), before(n, 0.0);
   for (std::size_t i = 0; i < sheet.triangles.size(); ++i) {
     const auto& c = sheet.triangles[i];
     const Vec3 r = (rest[c[1]] - rest[c[0]]).cross(rest[c[2]] - rest[c[0]]);
@@ -64,12 +64,14 @@ Half halves_of(const Sheet& sheet, const std::vector<Vec3>& rest, const std::vec
     for (const int k : c) {
       sum.rest[k] += r, sum.now[k] += a, sum.rate[k] += rate;
       area[k] += a.norm(), weighted[k] += a.norm() * thickness[i];
+      before[k] += r.norm(), resting[k] += r.norm() * at_rest[i];
     }
   }
   for (std::size_t k = 0; k < n; ++k) {
     const double length = sum.now[k].norm(), half = area[k] > 0.0 ? 0.5 * weighted[k] / area[k] : 0.0;
     const Vec3 unit = sum.now[k].stableNormalized();
-    sum.rest[k] = 0.5 * at_rest * sum.rest[k].stableNormalized(), sum.now[k] = half * unit;
+    sum.rest[k] = (before[k] > 0.0 ? 0.5 * resting[k] / before[k] : 0.0) * sum.rest[k].stableNormalized(),
+    sum.now[k] = half * unit;
     sum.rate[k] = length > 0.0 ? Vec3(half / length * (sum.rate[k] - unit.dot(sum.rate[k]) * unit)) : Vec3::Zero();
   }
   return sum;
@@ -91,7 +93,7 @@ std::vector<Vec3> at_points(const Sheet& sheet, const std::vector<double>& value
 
 }  // namespace
 
-VtpMesh thick_sheet(const VtpMesh& middle, const std::vector<double>& thickness, double at_rest) {
+VtpMesh thick_sheet(const VtpMesh& middle, const std::vector<double>& thickness, const std::vector<double>& at_rest) {
   const Sheet sheet = sheet_of(middle);
   const std::vector<Vec3> v = at_points(sheet, array_of(middle, "velocity").values),
                           u = at_points(sheet, array_of(middle, "displacement").values);

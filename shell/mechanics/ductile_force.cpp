@@ -11,13 +11,11 @@ auto with_ductile(const LayerMemory& memory, F&& f) {
   return DuctileLayers<true>::in_force(memory) ? f(DuctileLayers<true>{}) : f(DuctileLayers<false>{});
 }
 
-template <int kSupport, bool kRational, class Law>
+template <int kSupport, RowShape kShape, class Law>
 RowFunction ductile_row_of(bool energy, bool stress) {
   if (energy)
-    return stress ? element_row<kSupport, kRational, true, true, Law>
-                  : element_row<kSupport, kRational, true, false, Law>;
-  return stress ? element_row<kSupport, kRational, false, true, Law>
-                : element_row<kSupport, kRational, false, false, Law>;
+    return stress ? element_row<kSupport, kShape, true, true, Law> : element_row<kSupport, kShape, true, false, Law>;
+  return stress ? element_row<kSupport, kShape, false, true, Law> : element_row<kSupport, kShape, false, false, Law>;
 }
 
 }  // namespace
@@ -25,9 +23,13 @@ RowFunction ductile_row_of(bool energy, bool stress) {
 RowFunction ductile_row(const RowTables& t, const LayerMemory& memory, bool energy, bool stress, double* flow) {
   memory.plastic->sums = flow;
   return with_ductile(memory, [&]<class Law>(Law) {
-    if (t.degree == 2)
-      return t.rational ? ductile_row_of<3, true, Law>(energy, stress) : ductile_row_of<3, false, Law>(energy, stress);
-    return t.rational ? ductile_row_of<4, true, Law>(energy, stress) : ductile_row_of<4, false, Law>(energy, stress);
+    const auto of = [&]<RowShape kShape>(std::integral_constant<RowShape, kShape>) -> RowFunction {
+      return t.degree == 2 ? ductile_row_of<3, kShape, Law>(energy, stress)
+                           : ductile_row_of<4, kShape, Law>(energy, stress);
+    };
+    if (t.varies()) return of(std::integral_constant<RowShape, RowShape::kVarying>());
+    if (t.rational) return of(std::integral_constant<RowShape, RowShape::kRational>());
+    return of(std::integral_constant<RowShape, RowShape::kPolynomial>());
   });
 }
 

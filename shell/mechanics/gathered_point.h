@@ -31,7 +31,7 @@ struct GatheredPoint {
   // Kernels keep packed copies of all below as long as the stamp is the same. Another point has another stamp, and so
   // have other functions. A dead point has no functions.
   std::uint64_t stamp = fresh_stamp();
-  double area = 0.0;                 // reference area [m^2]
+  double area = 0.0;                 // reference area, times the factor of the thickness [m^2]
   ReferenceMetric<double> metric{};  // of these shape functions: the rest state has no strain
   std::vector<GatheredFunction> functions;
 };
@@ -39,6 +39,12 @@ struct GatheredPoint {
 /// All functions of the uncut patch at parameter `p`; slots for rows that are `stride` apart.
 std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride);
 void patch_functions(const Patch& patch, const Vec2& p, int stride, std::vector<GatheredFunction>& out);
+
+/// Makes functions of a surface those of a point whose thickness varies by `factor` (RowTables::thickness).
+inline void thicken(std::vector<GatheredFunction>& functions, double factor) {
+  if (factor != 1.0)
+    for (GatheredFunction& f : functions) f.n[3] *= factor, f.n[4] *= factor, f.n[5] *= factor;
+}
 
 /// What the layers of a point remember, and their laws; it stays as it is. Null: they do not weaken, or do not yield.
 struct PointMemory {

@@ -17,8 +17,13 @@ struct RowSums {
 };
 using RowFunction = RowSums (*)(const RowTables&, const double*, const SurfaceStress&, const LayerMemory&, int,
                                 double*);
-RowFunction quadratic_row(bool rational, const LayerMemory& memory, bool energy, bool stress);
-RowFunction cubic_row(bool rational, const LayerMemory& memory, bool energy, bool stress);
+/// What a kernel is compiled for: shells of one thickness pay nothing for those whose thickness varies.
+enum class RowShape { kPolynomial, kRational, kVarying };
+inline RowShape shape_of(const RowTables& t) {
+  return t.varies() ? RowShape::kVarying : t.rational ? RowShape::kRational : RowShape::kPolynomial;
+}
+RowFunction quadratic_row(RowShape shape, const LayerMemory& memory, bool energy, bool stress);
+RowFunction cubic_row(RowShape shape, const LayerMemory& memory, bool energy, bool stress);
 
 namespace {
 
@@ -121,6 +126,11 @@ template <int kSupport, bool kRational>
   g.u = scaled(w[kInvW], g.u), axpy(p, -w[kWu], g.u);
   g.v = scaled(w[kInvW], g.v), axpy(p, -w[kWv], g.v);
   p = scaled(w[kInvW], p);
+}
+
+// Multiplies second derivatives, or the forces on them, by the factor of the thickness.
+[[gnu::always_inline]] inline void thicken(Derivatives<Pack>& d, const Pack& factor) {
+  d.uu = scaled(factor, d.uu), d.vv = scaled(factor, d.vv), d.uv = scaled(factor, d.uv);
 }
 
 inline void keep_where(IntPack mask, Vector<Pack>& v) {
@@ -262,9 +272,10 @@ inline bool any_tension_above(const double* stress, int lanes, double limit) {
   return any(most > limit);
 }
 
-template <int kSupport, bool kRational, bool kEnergy, bool kStress, class Law>
+template <int kSupport, RowShape kShape, bool kEnergy, bool kStress, class Law>
 RowSums element_row(const RowTables& t, const double* x, const SurfaceStress& stress, const LayerMemory& memory, int f,
                     double* out) {
+  constexpr bool kRational = kShape != RowShape::kPolynomial;
   const int lanes = t.lanes;
   const RowBuffer buffer = row_buffer<kSupport>(t);
   std::fill(out, out + 3 * kSupport * t.stride, 0.0);
@@ -293,8 +304,12 @@ RowSums element_row(const RowTables& t, const double* x, const SurfaceStress& st
         }
         Denominator w;
         if constexpr (kRational) w = denominator_at(at);
-        const Derivatives<Pack> d = derivatives_at<kSupport, kRational>(at, basis, buffer.c, w);
+        Derivatives<Pack> d = derivatives_at<kSupport, kRational>(at, basis, buffer.c, w);
+        [[maybe_unused]] Pack thick;
+        if constexpr (kShape == RowShape::kVarying)
+          thick = load<Pack>(&t.thickness[static_cast<std::size_t>(block) * lanes + e]), thicken(d, thick);
         Derivatives<Pack> g = pack_forces<kEnergy, kStress, Law>(at, d, area, own, stress, factors, memory, sums);
+        if constexpr (kShape == RowShape::kVarying) thicken(g, thick);
         Vector<Pack> p{};
         if constexpr (kRational) transpose_quotient(g, p, w);
         add_parts<kSupport, kRational>(parts, reach, basis, lanes, e, a > 0, g, p);
@@ -312,16 +327,18 @@ RowSums element_row(const RowTables& t, const double* x, const SurfaceStress& st
 }
 
 template <int kSupport>
-RowFunction row_function(bool rational, const LayerMemory& memory, bool energy, bool stress) {
+RowFunction row_function(RowShape shape, const LayerMemory& memory, bool energy, bool stress) {
   return with_layers(memory, [&]<class Law>(Law) -> RowFunction {
-    const auto pick = [&]<bool kRational>(std::bool_constant<kRational>) -> RowFunction {
+    const auto pick = [&]<RowShape kShape>(std::integral_constant<RowShape, kShape>) -> RowFunction {
       if (energy)
-        return stress ? element_row<kSupport, kRational, true, true, Law>
-                      : element_row<kSupport, kRational, true, false, Law>;
-      return stress ? element_row<kSupport, kRational, false, true, Law>
-                    : element_row<kSupport, kRational, false, false, Law>;
+        return stress ? element_row<kSupport, kShape, true, true, Law>
+                      : element_row<kSupport, kShape, true, false, Law>;
+      return stress ? element_row<kSupport, kShape, false, true, Law>
+                    : element_row<kSupport, kShape, false, false, Law>;
     };
-    return rational ? pick(std::true_type()) : pick(std::false_type());
+    if (shape == RowShape::kVarying) return pick(std::integral_constant<RowShape, RowShape::kVarying>());
+    if (shape == RowShape::kRational) return pick(std::integral_constant<RowShape, RowShape::kRational>());
+    return pick(std::integral_constant<RowShape, RowShape::kPolynomial>());
   });
 }
 

@@ -1,6 +1,7 @@
 #include "shell/mechanics/row_tables.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "coupler/core/error.h"
 #include "shell/geometry/quadrature.h"
@@ -149,7 +150,7 @@ std::vector<GaussPoint> trimmed_points(const Patch& patch, const RowTables& t, c
 }  // namespace
 
 RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, const Elasticity& elasticity,
-                          const std::string& field, const TrimLoops& trim) {
+                          const std::string& field, const TrimLoops& trim, const ThicknessFactor& factor) {
   RowTables t;
   t.columns = patch.columns(), t.rows = patch.rows();
   t.spans_u = patch.knots_u.spans(), t.spans_v = patch.knots_v.spans();
@@ -159,7 +160,8 @@ RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, c
   t.stride = round_up(t.lanes + t.degree, 8);
   if (t.stride % 16 == 0) t.stride += 8;  // an odd number of 64-byte lines
   t.component_stride = t.stride * t.rows;
-  t.rational = patch.rational();
+  t.rational = patch.rational() || factor;
+  if (factor) t.thickness.assign(static_cast<std::size_t>(t.blocks()) * t.lanes, 1.0);
   t.layers = layers;
   t.elasticity = elasticity;
 
@@ -207,6 +209,13 @@ RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, c
       m[kA11 * t.lanes] = s.u.dot(s.u), m[kA22 * t.lanes] = s.v.dot(s.v), m[kA12 * t.lanes] = s.u.dot(s.v);
       m[kB11 * t.lanes] = s.uu.dot(n), m[kB22 * t.lanes] = s.vv.dot(n), m[kB12 * t.lanes] = s.uv.dot(n);
       m[kArea * t.lanes] = jacobian * g.weight;
+      if (factor) {
+        const double f = factor(patch, g.parameter);
+        require(f > 0.0 && std::isfinite(f), "{}: the thickness at (u, v) = ({}, {}) is {:.3g} times that of the shell",
+                field, g.parameter.x(), g.parameter.y(), f);
+        t.thickness[static_cast<std::size_t>(q) * t.lanes + e] = f;
+        for (const int k : {kB11, kB22, kB12, kArea}) m[k * t.lanes] *= f;
+      }
       if (t.rational) {
         const int row = q / gauss;
         const Basis bu = basis_at(patch.knots_u, e, rule.point[q % gauss]);

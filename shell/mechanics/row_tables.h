@@ -1,5 +1,6 @@
 #pragma once
 // Constant tables of a patch for the row kernel, with unit stride along u.
+#include <functional>
 #include <vector>
 
 #include "shell/geometry/patch.h"
@@ -45,7 +46,11 @@ Layers linear_bending(double thickness);
 /// Error where no strain makes that stress.
 void prestress(Layers& layers, double thickness, double surface_compression, const Elasticity& elasticity);
 
-/// Fields of the reference state of a Gauss point, in this order.
+/// Thickness at a place of a patch, over that of its layers [-]; empty: 1 everywhere.
+using ThicknessFactor = std::function<double(const Patch&, const Vec2&)>;
+
+/// Fields of the reference state of a Gauss point, in this order. Where the thickness varies by a factor, the area and
+/// the curvature are multiplied by it.
 enum MetricField { kA11, kA22, kA12, kB11, kB22, kB12, kArea, kMetricFields };
 /// The denominator of a rational patch: its inverse, and its derivatives.
 enum RationalField { kInvW, kWu, kWv, kWuu, kWvv, kWuv, kRationalFields };
@@ -68,7 +73,10 @@ struct RowTables {
   int gauss = 0;                         // points per span and direction
   int stride = 0, component_stride = 0;  // row stride and component stride of control point arrays
   int lanes = 0;                         // row stride of Gauss point arrays
-  bool rational = false;
+  bool rational = false;                 // or varying: the denominator is then 1
+  // [block][lane]: factor of the thickness; empty: 1. Layers stand at zeta times the factor, so their strain is that of
+  // layers at zeta with the curvature, and so the second derivatives, times the factor.
+  std::vector<double> thickness;
   Layers layers;
   Elasticity elasticity;
   std::vector<double> basis_u;      // [a][derivative][k][lane]
@@ -80,6 +88,10 @@ struct RowTables {
   // the rows. Empty: the patch is whole.
   std::vector<GaussPoint> trimmed;
 
+  bool varies() const { return !thickness.empty(); }
+  double thickness_factor(int block, int lane) const {
+    return thickness.empty() ? 1.0 : thickness[static_cast<std::size_t>(block) * lanes + lane];
+  }
   int slot(int control_point) const { return (control_point / columns) * stride + control_point % columns; }
   int control_point(int slot) const { return slot / stride * columns + slot % stride; }
   int support() const { return degree + 1; }  // functions per direction
@@ -93,9 +105,9 @@ struct RowTables {
 };
 
 /// Builds the tables, of the part of the patch that `trim` leaves. Throws Error with the parameters of a Gauss point
-/// where the surface is degenerate.
+/// where the surface is degenerate or `factor` is not positive.
 RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, const Elasticity& elasticity,
-                          const std::string& field, const TrimLoops& trim = {});
+                          const std::string& field, const TrimLoops& trim = {}, const ThicknessFactor& factor = {});
 
 GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int lane);
 

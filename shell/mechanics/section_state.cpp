@@ -152,4 +152,10 @@ std::optional<SectionState> section_state(const RowTables& t, const GatheredPoin
   return out;
 }
 
+void thicken(SectionState& section, double factor) {
+  const auto times = [](Sym2<double>& a, double by) { a = {by * a.c11, by * a.c22, by * a.c12}; };
+  times(section.force, factor), times(section.moment, factor * factor);
+  section.thickness *= factor;
+}
+
 }  // namespace sunder::shell

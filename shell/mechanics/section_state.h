@@ -43,4 +43,8 @@ std::optional<SectionState> section_state(const RowTables& t, const GatheredPoin
                                           double thickness, const SectionMemory& memory = {},
                                           const SectionCore* core = nullptr);
 
+/// Makes the state of a section of the layers' thickness that of one whose thickness is `factor` times that
+/// (RowTables::thickness).
+void thicken(SectionState& section, double factor);
+
 }  // namespace sunder::shell

@@ -333,7 +333,7 @@ RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& grou
     if (p.control_points.empty()) state_.shells[k].add_rubble(*now[k].triangulation, p.number);
     parts.push_back(hand_off(m, *shells[k].state, *now[k].triangulation, p, counts_.next_id, dt));
     parts.back().drawn.shell.assign(parts.back().drawn.triangles.size(), static_cast<int>(k));
-    mass += m.material.density * m.thickness * parts.back().area;
+    mass += parts.back().weighs;
     for (const int slot : parts.back().donors)
       state_.shells[k].changed.push_back(m.parameter[m.tables.control_point(slot)]);
     p.handed_off = true;

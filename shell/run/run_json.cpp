@@ -29,7 +29,7 @@ double whole_area(const RunSetup& setup) {
   double whole = 0.0;
   for (const ShellSetup& shell : setup.shells)
     for (int i = 0; i < shell.model.control_points(); ++i)
-      whole += shell.model.mass[shell.model.tables.slot(i)] / (shell.model.material.density * shell.model.thickness);
+      whole += shell.model.mass[shell.model.tables.slot(i)] / shell.model.mass_per_area(shell.model.tables.slot(i));
   return whole;
 }
 

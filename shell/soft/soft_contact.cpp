@@ -85,8 +85,8 @@ void SoftContact::refresh(const std::vector<SoftRef>& soft, const std::vector<Sh
     const RowTables& t = m.tables;
     double speed = 0.0;
     for (int i = 0; i < m.control_points(); ++i) speed = std::max(speed, s.velocity(t.slot(i)).squaredNorm());
-    const double reach =
-        widest + m.longest_element + m.thickness + kFastest * kContactRefresh * dt * (std::sqrt(speed) + soft_speed);
+    const double reach = widest + m.longest_element + m.largest_thickness() +
+                         kFastest * kContactRefresh * dt * (std::sqrt(speed) + soft_speed);
     cell_ = std::max(cell_, m.longest_element);
     const auto near = [&](const Eigen::AlignedBox3d& box) {
       return std::any_of(boxes.begin(), boxes.end(), [&](const Eigen::AlignedBox3d& other) {
@@ -107,7 +107,7 @@ void SoftContact::refresh(const std::vector<SoftRef>& soft, const std::vector<Sh
           sample_functions(m, s, block, lane, values);
           if (values.empty() || s.motion.detached[values[0].slot]) continue;
           Sample& q = samples_.emplace_back();
-          q.owner = k, q.thickness = m.thickness, q.reach = m.longest_element / t.gauss;
+          q.owner = k, q.thickness = m.thickness_at(block, lane), q.reach = m.longest_element / t.gauss;
           for (const GatheredFunction& g : values) q.functions.emplace_back(g.slot, g.n[0]);
           const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, block, lane).parameter);
           for (int i = 0; i < n.count(); ++i)

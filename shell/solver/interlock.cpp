@@ -15,7 +15,10 @@ struct Gap {
   // of the plus and the minus side
   Vec3 at[2], side_tu[2], side_tv[2], side[2];  // position, tangents, unit normal
   double side_c[2];                             // length of the cross product of the tangents
+  double half = 0.0;                            // of the thickness [m]
 
+  // Height of a point of contact over the middle of the sheet [m].
+  double height(int face) const { return (face == 0 ? -1.0 : 1.0) * half; }
   Vec3 at_height(double z) const { return at[0] - at[1] + z * (side[0] - side[1]); }
   Vec3 in_frame(const Vec3& g) const { return {g.dot(across), g.dot(along), g.dot(normal)}; }
 };
@@ -23,6 +26,13 @@ struct Gap {
 Vec2 direction(const ShellState& s, const Interlock& lock) {
   const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
   return (e.b - e.a).normalized();
+}
+
+// Thickness at an edge [m].
+double thickness_at(const ShellModel& m, const ShellState& s, const Interlock& lock) {
+  if (!m.varies()) return m.thickness;
+  const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
+  return m.thickness_at(0.5 * (e.a + e.b));
 }
 
 // The frame of a gap whose positions and tangents of the sides are known.
@@ -39,8 +49,9 @@ void find_frame(const ShellState& s, const Interlock& lock, Gap& r) {
   r.normal = c / r.c, r.along = d / r.d, r.across = r.normal.cross(r.along);
 }
 
-Gap gap_of(const ShellState& s, const Interlock& lock) {
+Gap gap_of(const ShellModel& m, const ShellState& s, const Interlock& lock) {
   Gap r;
+  r.half = 0.5 * thickness_at(m, s, lock);
   for (int side = 0; side < 2; ++side) {
     r.at[side] = r.side_tu[side] = r.side_tv[side] = Vec3::Zero();
     for (const auto& f : side == 0 ? lock.plus : lock.minus) {
@@ -59,8 +70,10 @@ double sum_of(const Pack& a) {
 }
 
 // The same with packed functions. `x`: [3][component stride].
-Gap gap_of(const ShellState& s, const Interlock& lock, const double* x, std::size_t stride) {
+Gap gap_of(const ShellModel& m, const ShellState& s, const Interlock& lock, const double* x) {
   Gap r;
+  r.half = 0.5 * thickness_at(m, s, lock);
+  const std::size_t stride = m.tables.component_stride;
   for (int side = 0; side < 2; ++side) {
     const FaceStrips& strips = lock.strips[side];
     Pack sum[3][3] = {};
@@ -112,11 +125,9 @@ bool sound(const Interlock& lock, const Gap& gap) {
 }
 
 double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // of one element [Pa/m]
-// Height of a point of contact over the middle of the sheet [m].
-double height(const ShellModel& m, int face) { return (face == 0 ? -0.5 : 0.5) * m.thickness; }
 
 // Gap at a point of contact: across, along, normal [m].
-Vec3 gap_at(const ShellModel& m, const Gap& gap, int face) { return gap.in_frame(gap.at_height(height(m, face))); }
+Vec3 gap_at(const Gap& gap, int face) { return gap.in_frame(gap.at_height(gap.height(face))); }
 
 // The springs of a point of contact, over k A / 2: what they bear across, along and normal [m], and hold [m^2]. Across
 // they bear pressure only, and are soft over the depth of closing.
@@ -174,7 +185,7 @@ void give_way(const ShellModel& m, const Vec3& at, Interlock& lock, int face) {
 // Stiffness of a pair of faces [Pa/m]: that of one element, reduced where so little mass moves with a point of contact
 // that the step would not be stable. A point above the middle of the sheet also moves as the normal turns.
 double stable_stiffness(const ShellModel& m, const ShellState& s, const Interlock& lock) {
-  const double z = height(m, 1);
+  const double z = 0.5 * thickness_at(m, s, lock);
   double mobility = 0.0;  // of the gap [1/kg]
   for (const auto* side : {&lock.plus, &lock.minus})
     for (const GatheredFunction& f : *side) {
@@ -231,7 +242,7 @@ void push(const ShellModel& m, const ShellState& s, const Interlock& lock, const
   const Vec3& e = springs.bear;
   if (e.isZero(0.0)) return;
   to.none = false;
-  const double z = height(m, face), k = 0.5 * times * lock.stiffness * lock.area;
+  const double z = gap.height(face), k = 0.5 * times * lock.stiffness * lock.area;
   const Vec3 g = gap.at_height(z);
   // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
   // g . d across = d normal . (along x g) + d along . (g x normal)
@@ -279,7 +290,7 @@ void spread(const Interlock& lock, const FaceForces& on, std::size_t stride, dou
 // Energy of both points of contact [J].
 double energy_of(const ShellModel& m, const Gap& gap, const Interlock& lock) {
   double held = 0.0;
-  for (int face = 0; face < 2; ++face) held += springs_at(m, gap_at(m, gap, face), lock.points[face]).hold;
+  for (int face = 0; face < 2; ++face) held += springs_at(m, gap_at(gap, face), lock.points[face]).hold;
   return 0.5 * lock.stiffness * lock.area * held;
 }
 
@@ -291,12 +302,12 @@ double closing_depth(const ShellModel& m) {
 
 bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   if (!attach(m, s, lock)) return false;
-  const Gap gap = gap_of(s, lock);
+  const Gap gap = gap_of(m, s, lock);
   lock.rest_area = {gap.side_c[0], gap.side_c[1]};
   lock.origin = gap.in_frame(gap.at_height(0.0));
   bool finite = lock.origin.allFinite();
   for (int face = 0; face < 2; ++face) {  // one-sided shape functions do not meet to round-off
-    lock.points[face].rest = gap_at(m, gap, face);
+    lock.points[face].rest = gap_at(gap, face);
     finite = finite && lock.points[face].rest.allFinite();
   }
   return finite;
@@ -322,21 +333,21 @@ Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   const auto bear = [&](const Gap& gap, double times) {
     FaceForces on;
     for (int face = 0; face < 2; ++face)
-      push(m, s, lock, gap, face, springs_at(m, gap_at(m, gap, face), lock.points[face]), times, on);
+      push(m, s, lock, gap, face, springs_at(m, gap_at(gap, face), lock.points[face]), times, on);
     spread(lock, on, [&](int slot, const Vec3& force) { r.force_change.push_back({slot, force}); });
   };
-  const Gap before = gap_of(s, lock);
+  const Gap before = gap_of(m, s, lock);
   const double held = energy_of(m, before, lock);
   bear(before, 1.0);
   lock.holds = attach(m, s, lock);
   if (lock.holds) {
-    const Gap after = gap_of(s, lock);
+    const Gap after = gap_of(m, s, lock);
     const auto moved = [&](double z) {
       return Vec3(after.in_frame(after.at_height(z)) - before.in_frame(before.at_height(z)));
     };
     lock.origin += moved(0.0), lock.holds = lock.origin.allFinite();
     for (int face = 0; face < 2; ++face) {
-      lock.points[face].rest += moved(height(m, face));
+      lock.points[face].rest += moved(before.height(face));
       lock.holds = lock.holds && lock.points[face].rest.allFinite();
     }
     if (lock.holds) bear(after, -1.0);
@@ -358,7 +369,7 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
     for (int side = 0; side < 2; ++side)
       if (lock.strips[side].slot.empty())
         lock.strips[side] = packed(side == 0 ? lock.plus : lock.minus, static_cast<int>(stride));
-    const Gap gap = gap_of(s, lock, x, stride);
+    const Gap gap = gap_of(m, s, lock, x);
     lock.sound = sound(lock, gap);
     lock.energy = 0.0;
     if (!(std::min(gap.side_c[0] / lock.rest_area[0], gap.side_c[1] / lock.rest_area[1]) > kNoFrame)) continue;
@@ -368,7 +379,7 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
     FaceForces on;
     for (int face = 0; face < 2; ++face) {
       FacePoint& point = lock.points[face];
-      const Vec3 at = gap_at(m, gap, face);
+      const Vec3 at = gap_at(gap, face);
       const double open = at[0] - point.rest[0];
       opening = std::min(opening, open);
       if (advance) {
@@ -403,18 +414,17 @@ void book_faces(ShellState& s) {
 void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& law, bool all) {
   for (Interlock& lock : s.cracks.interlocks) {
     if (!lock.holds) continue;
-    const double length = lock.area / m.thickness;
-    if (!all && lock.sound && lock.opening <= law.opening && lock.height <= m.thickness && lock.along <= length)
-      continue;
+    const double thickness = thickness_at(m, s, lock), length = lock.area / thickness;
+    if (!all && lock.sound && lock.opening <= law.opening && lock.height <= thickness && lock.along <= length) continue;
     lock.holds = false;
-    const Gap gap = gap_of(s, lock);
+    const Gap gap = gap_of(m, s, lock);
     const double held = energy_of(m, gap, lock);
     s.release_by_faces(held);
     std::vector<double>& force = s.discontinuity();
     const std::size_t stride = force.size() / 3;
     FaceForces on;
     for (int face = 0; face < 2; ++face)
-      push(m, s, lock, gap, face, springs_at(m, gap_at(m, gap, face), lock.points[face]), 1.0, on);
+      push(m, s, lock, gap, face, springs_at(m, gap_at(gap, face), lock.points[face]), 1.0, on);
     spread(lock, on, [&](int slot, const Vec3& by_face) {
       for (int d = 0; d < 3; ++d) force[d * stride + slot] += by_face[d];
     });

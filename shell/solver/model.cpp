@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "coupler/core/error.h"
 #include "shell/geometry/edges.h"
 #include "shell/geometry/parameter_place.h"
 #include "shell/mechanics/point_force.h"
@@ -88,12 +90,19 @@ double ShellModel::rayleigh_speed() const {  // Viktorov's fit to the Rayleigh e
 }
 
 double ShellModel::response_time() const {
-  return std::max(spacing / wave_speed(), thickness / std::sqrt(tables.elasticity.mu / material.density));
+  return std::max(spacing / wave_speed(), largest_thickness() / std::sqrt(tables.elasticity.mu / material.density));
+}
+
+double ShellModel::thickness_at(const Vec2& p) const {
+  if (!varies()) return thickness;
+  const Vec2 inside(std::clamp(p.x(), patch.knots_u.begin(), patch.knots_u.end()),
+                    std::clamp(p.y(), patch.knots_v.begin(), patch.knots_v.end()));
+  return thickness * thickness_factor(patch, inside);
 }
 
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads,
-                      const TrimLoops& trim) {
+                      const TrimLoops& trim, const ThicknessFactor& factor) {
   ShellModel m{name, with_parameters_as_lengths(patch), thickness, material};
   const Interlayer& core = material.interlayer;
   m.material.density += (core.density - material.density) * core.thickness / thickness;
@@ -102,7 +111,9 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
                 : m.laminated()         ? plies(layers, thickness, core.thickness)
                                         : gauss_layers(layers, thickness);
   if (material.surface_compression > 0.0) prestress(rule, thickness, material.surface_compression, e);
-  m.tables = make_row_tables(m.patch, gauss, rule, e, "shell '" + name + "'", trim);
+  m.tables = make_row_tables(m.patch, gauss, rule, e, "shell '" + name + "'", trim, factor);
+  m.thickness_factor = factor;
+  ensure(!factor || !m.laminated(), "shell '{}' has an interlayer and a thickness that varies", name);
   if (m.laminated()) {
     const Elasticity soft = elasticity({core.youngs_modulus, core.poisson_ratio}, material.stress_model);
     m.interlayer =
@@ -110,6 +121,8 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   }
   const RowTables& t = m.tables;
   m.mass.assign(t.component_stride, 0.0);
+  std::vector<double> area_of_slot(factor ? t.component_stride : 0, 0.0);
+  if (factor) m.thinnest = std::numeric_limits<double>::infinity(), m.thickest = 0.0;
   // m_I = integral of rho tau N_I: the row sum of the consistent mass; it is positive for B-splines.
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
@@ -118,7 +131,14 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       const ShapeFunctions s = m.patch.shape_functions(gauss_point(m.patch, t, q, e).parameter);
       for (int k = 0; k < s.count(); ++k)
         m.mass[s.row(k) * t.stride + s.column(k)] += m.material.density * thickness * area * s.value[k];
+      if (!factor) continue;
+      const double f = t.thickness_factor(q, e);
+      m.thinnest = std::min(m.thinnest, f), m.thickest = std::max(m.thickest, f);
+      for (int k = 0; k < s.count(); ++k) area_of_slot[s.row(k) * t.stride + s.column(k)] += area / f * s.value[k];
     }
+  for (std::size_t i = 0; i < area_of_slot.size(); ++i)
+    m.thickness_of_slot.push_back(area_of_slot[i] > 0.0 ? m.mass[i] / (m.material.density * thickness * area_of_slot[i])
+                                                        : 1.0);
   m.rest.assign(3 * static_cast<std::size_t>(t.component_stride), 0.0);
   for (int i = 0; i < m.control_points(); ++i)
     for (int d = 0; d < 3; ++d)

@@ -55,8 +55,8 @@ struct SupportStage {
 /// release_supports() changes at their times.
 struct ShellModel {
   std::string name;
-  Patch patch;  // parameters are lengths
-  double thickness = 0.0;
+  Patch patch;             // parameters are lengths
+  double thickness = 0.0;  // [m] of the scene; where it varies, factors multiply it
   ShellMaterial material;
   std::uint32_t contact_group = 0;
   int clamped = 0;  // EdgeBit: edges that are held with their slopes along all axes
@@ -82,11 +82,26 @@ struct ShellModel {
   Trimming trim{};  // what trim loops leave; empty: the patch is whole
   // Texture coordinates that its mesh file has at a parameter, for frames; empty: none.
   std::function<Vec2(const Vec2&)> texture{};
+  ThicknessFactor thickness_factor{};       // empty: the thickness does not vary
+  double thinnest = 1.0, thickest = 1.0;    // least and largest factor at Gauss points
+  std::vector<double> thickness_of_slot{};  // mean factor over a control point's function; empty: 1
   FibreLaw fibres{};  // shear and compression through the thickness, for contact between shells with fibres
 
   bool has_fibres() const { return fibres.compression > 0.0; }
   double strength_factor_at(int block, int lane) const {
     return strength_factor.empty() ? 1.0 : strength_factor[static_cast<std::size_t>(block) * tables.lanes + lane];
+  }
+  bool varies() const { return tables.varies(); }
+  /// Thickness at a place of the patch, or at a Gauss point [m].
+  double thickness_at(const Vec2& p) const;
+  double thickness_at(int block, int lane) const {
+    return varies() ? thickness * tables.thickness_factor(block, lane) : thickness;
+  }
+  double largest_thickness() const { return thickness * thickest; }
+  double least_thickness() const { return thickness * thinnest; }
+  /// Lumped mass of a slot over the area that it stands for [kg/m^2].
+  double mass_per_area(int slot) const {
+    return material.density * thickness * (thickness_of_slot.empty() ? 1.0 : thickness_of_slot[slot]);
   }
   /// Whether supports hold every control point along all axes.
   bool wholly_held() const;
@@ -101,10 +116,10 @@ struct ShellModel {
 };
 
 /// Makes the model of a shell, of what `trim` leaves of the patch. `layers` is the number of layers, of each ply where
-/// there is an interlayer. The model's density is then the mean over the thickness. Throws Error where a support, a
-/// load or a loop is wrong.
+/// there is an interlayer. The model's density is then the mean over the thickness. `factor` makes the thickness vary;
+/// not with an interlayer. Throws Error where a support, a load or a loop is wrong, or a factor is not positive.
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads = {},
-                      const TrimLoops& trim = {});
+                      const TrimLoops& trim = {}, const ThicknessFactor& factor = {});
 
 }  // namespace sunder::shell

@@ -38,6 +38,11 @@ struct ReleasePack {
   // the normal.
   std::array<Vector2<Pack>, 2> along{};
   std::array<Pack, 2> up{};
+  // Where the thickness varies, `rest` and the derivatives are those of the section (RowTables::thickness), as are the
+  // second derivatives of the advance and this slope in them. The curvature of the surface is beside it.
+  Vector2<Pack> bent_slope{};
+  Sym2<Pack> curvature{};
+  std::array<Pack, 2> taper{};  // change of the thickness along both advances, over itself [1/m]
 };
 
 /// Not part of checkpoints: it can be found again.

@@ -255,10 +255,9 @@ void move_masses(ShellModel& m, const std::vector<char>& kept) {
 // than mass.
 void hide_light_points(ShellModel& m) {
   const std::vector<double> whole = whole_masses(m);
-  const double full = m.material.density * m.thickness;
   m.trim.absent.assign(m.control_points(), 0);
   for (int i = 0; i < m.control_points(); ++i)
-    m.trim.absent[i] = m.mass[m.tables.slot(i)] < kLightMass * full * whole[i];
+    m.trim.absent[i] = m.mass[m.tables.slot(i)] < kLightMass * m.mass_per_area(m.tables.slot(i)) * whole[i];
   for (const int i : m.trim.outside) m.trim.absent[i] = 1;
 }
 
@@ -282,6 +281,7 @@ void find_points(ShellModel& m) {
         g.block = q, g.lane = e, g.kind = PointKind::kQuadratic;
         g.area = t.metric[t.at(q, kMetricFields, kArea, e)];
         g.functions = shell_functions(m, at.parameter);
+        thicken(g.functions, t.thickness_factor(q, e));
         const Forms<double> rest = surface_forms(gather(t, g, m.rest));
         g.metric = {rest.a, rest.b};
         int low_u = t.columns, high_u = 0, low_v = t.rows, high_v = 0;
@@ -383,7 +383,8 @@ void shell_functions(const ShellModel& m, int block, int lane, std::vector<Gathe
   if (own >= 0)
     out = m.trim.points[own].functions;
   else
-    patch_functions(m.patch, gauss_point(m.patch, m.tables, block, lane).parameter, m.tables.stride, out);
+    patch_functions(m.patch, gauss_point(m.patch, m.tables, block, lane).parameter, m.tables.stride, out),
+        thicken(out, m.tables.thickness_factor(block, lane));
 }
 
 void update_dropped_points(const Trimming& trim, std::vector<double>& field) {

@@ -41,7 +41,7 @@ const std::map<std::string, std::set<std::string>> kQuick{
     {"contact", {"collision", "return_map", "fibre_collision", "fibre_step"}},
     {"soft", {"wave", "bounce", "sag", "collision", "spin"}},
     {"seams", {"frames"}},
-    {"surfaces", {"disc", "ring", "random", "flight", "tied_17"}}};
+    {"surfaces", {"disc", "ring", "random", "flight", "tied_17", "tapered", "wedge"}}};
 
 // Every suite's cases, and those that run only where they are named.
 struct Suites {

@@ -347,6 +347,7 @@ std::vector<Case> surface_cases() {
       {"flight", "momenta and energy of a ring in flight", flight}};
   for (Case& c : tied_cases()) out.push_back(std::move(c));
   for (Case& c : mesh_cases()) out.push_back(std::move(c));
+  for (Case& c : taper_cases()) out.push_back(std::move(c));
   return out;
 }
 

@@ -9,5 +9,7 @@ namespace sunder::validation {
 std::vector<Case> tied_cases();
 /// Surfaces of triangles (mesh_surfaces.cpp).
 std::vector<Case> mesh_cases();
+/// Shells whose thickness varies (tapers.cpp).
+std::vector<Case> taper_cases();
 
 }  // namespace sunder::validation

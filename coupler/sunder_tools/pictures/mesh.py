@@ -43,7 +43,10 @@ def origin_of_triangles(bodies: PolyData) -> np.ndarray:
 
 
 def thickness_of_points(shell: PolyData, thickness: tuple[float, ...]) -> np.ndarray | None:
-    """Returns the thickness [m] at each point (n,), None where that of a shell is not known."""
+    """Returns the thickness [m] at each point (n,), None where that of a shell is not known. A frame has that of its
+    points where it varies."""
+    if (varying := shell.point_data.get("thickness_at_rest")) is not None:
+        return varying
     part = part_of_points(shell)
     if part.max(initial=0) >= len(thickness):
         return None

@@ -67,11 +67,12 @@ Touch find(const ShellModel& m, const ShellState& s, const Proxy& body, double r
   const Vec2 reach(m.spacing_u, m.spacing_v);
   const Vec2 from = gauss_point(m.patch, m.tables, best->block, best->lane).parameter;
   const int point = s.cracked.point_of[static_cast<std::size_t>(best->block) * m.tables.lanes + best->lane];
+  const double thick = m.tables.thickness_factor(best->block, best->lane);
   bool crack = point >= 0;
   s.cracks.graph.near(from, from, 3.0 * m.spacing, [&](int) { return !(crack = true); });
   if (crack) {
     if (point >= 0)
-      functions = s.cracked.gathered[point].functions;
+      functions = s.cracked.gathered[point].functions, thicken(functions, 1.0 / thick);
     else
       patch_functions(m.patch, from, m.tables.stride, functions);
     Vec2 p = nearest_step(s, functions, centre, (begin - from).cwiseMax(-reach), (end - from).cwiseMin(reach));
@@ -92,7 +93,7 @@ Touch find(const ShellModel& m, const ShellState& s, const Proxy& body, double r
   const Vec3 away = touch.x - centre;
   const double distance = away.norm();
   if (distance == 0.0) return touch;
-  touch.out = away / distance, touch.approach = radius + 0.5 * m.thickness - distance;
+  touch.out = away / distance, touch.approach = radius + 0.5 * thick * m.thickness - distance;
   return touch;
 }
 

@@ -49,7 +49,8 @@ NearTiles::NearTiles(const std::vector<const ShellModel*>& shells, const std::ve
 
 // Largest distance at which two tiles count as near [m].
 double NearTiles::reach(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const {
-  return 0.5 * (shells[a.shell].model->thickness + shells[b.shell].model->thickness) + travel + margin_;
+  return 0.5 * (shells[a.shell].model->largest_thickness() + shells[b.shell].model->largest_thickness()) + travel +
+         margin_;
 }
 
 // For tiles of one surface.

@@ -32,7 +32,8 @@ class NearTiles {
   /// Finds candidates for the next kContactRefresh substeps of `dt` [s].
   void refresh(const std::vector<ShellRef>& shells, double dt);
   const std::vector<Tile>& tiles() const { return tiles_; }
-  /// Calls f(block, lane, area at rest) for each Gauss point of a tile that the tables include.
+  /// Calls f(block, lane, area at rest times the factor of the thickness) for each Gauss point of a tile that the
+  /// tables include.
   template <class F>
   static void each_gauss_point(const ShellModel& m, const Tile& tile, F&& f) {
     const RowTables& t = m.tables;

@@ -75,7 +75,7 @@ struct Search {
   std::vector<Proxy::Known>* before;  // distances of all samples, as they were last computed; null: they cost little
 
   int substeps_without_touch(double gap) const {
-    const double free = std::max(0.0, gap - 0.5 * m.thickness);
+    const double free = std::max(0.0, gap - 0.5 * m.largest_thickness());
     return static_cast<int>(std::min(free / travel, static_cast<double>(kContactRefresh)));
   }
 };
@@ -160,7 +160,7 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
     const double reach = body.turning_speed();
     // The margin is twice the travel until the next refresh, since control points may speed up.
     const double travel = 2.0 * dt * (speed + body.body.motion.velocity.norm() + reach);  // in one substep
-    double margin = m.thickness + kContactRefresh * travel;
+    double margin = m.largest_thickness() + kContactRefresh * travel;
     if (coefficients[b].hertz > 0.0) margin += m.longest_element;  // Hertz contact acts between samples
     const Vec3 centre = body.body.motion.position;
     c.near.clear();
@@ -230,14 +230,15 @@ void note_overlap(const ShellModel& m, const ShellState& s, const Proxy& body, S
   sample_functions(m, s, q.block, q.lane, functions);  // a crack may have changed them
   if (functions.empty() || s.motion.detached[functions[0].slot]) return;
   const Vec3 x = position(s, functions);
-  if (body.surely_beyond(x, q.known, 0.5 * m.thickness, kSlack * m.thickness)) return;
+  const double half = 0.5 * m.thickness_at(q.block, q.lane);
+  if (body.surely_beyond(x, q.known, half, kSlack * m.thickness)) return;
   const Proxy::Distance middle = body.distance(x, q.known.triangle);
   q.known = body.known(x, middle);
-  if (middle.value > 0.5 * m.thickness) return;
+  if (middle.value > half) return;
   // The face towards the body is half a thickness from the mid-surface, along the shell's own normal.
   Vec3 normal = normal_at(m, s, q, functions);
   if (normal.dot(middle.normal) > 0.0) normal = -normal;
-  const Proxy::Distance gap = body.distance(x + 0.5 * m.thickness * normal, middle.triangle);
+  const Proxy::Distance gap = body.distance(x + half * normal, middle.triangle);
   if (gap.value < 0.0) found.push_back({k, x, middle, gap});
 }
 

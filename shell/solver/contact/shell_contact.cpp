@@ -27,7 +27,7 @@ std::vector<std::vector<SurfaceLaw>> with_recovery(const std::vector<const Shell
 
 double widest(const std::vector<const ShellModel*>& shells) {
   double h = 0.0;
-  for (const ShellModel* m : shells) h = std::max(h, std::max(m->longest_element, 2.0 * m->thickness));
+  for (const ShellModel* m : shells) h = std::max(h, std::max(m->longest_element, 2.0 * m->largest_thickness()));
   return h;
 }
 
@@ -79,9 +79,9 @@ void ShellContact::add_samples(const ShellRef& shell, const Tile& tile) {
       return u.cross(v).normalized();
     };
     SurfaceSample q;
-    q.normal = normal(s.motion.x), q.rest_normal = normal(m.rest), q.area = area;
+    q.normal = normal(s.motion.x), q.rest_normal = normal(m.rest), q.area = area / t.thickness_factor(block, lane);
     if (!q.normal.allFinite()) return;
-    q.mass = m.material.density * m.thickness * area, q.thickness = m.thickness, q.shell = tile.shell;
+    q.mass = m.material.density * m.thickness * area, q.thickness = m.thickness_at(block, lane), q.shell = tile.shell;
     q.rest = Vec3::Zero();
     for (const GatheredFunction& g : gathered_) {
       functions_.emplace_back(g.slot, g.n[0]);

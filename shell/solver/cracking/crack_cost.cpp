@@ -28,7 +28,8 @@ double fracture_energy_at(const ShellModel& m, const Vec2& p) {
 }
 
 double edge_cost(const ShellModel& m, const CrackEdge& e) {
-  return fracture_energy_at(m, 0.5 * (e.a + e.b)) * (m.thickness - m.material.interlayer.thickness) * e.resistance *
+  const Vec2 middle = 0.5 * (e.a + e.b);
+  return fracture_energy_at(m, middle) * (m.thickness_at(middle) - m.material.interlayer.thickness) * e.resistance *
          length_within(m.patch, e.a, e.b);
 }
 

@@ -21,6 +21,8 @@ double sum_of(const Pack& a) {
   return sum;
 }
 
+constexpr double kTaperStep = 0.05;  // [spacings]: half of the difference that tells how the thickness changes
+
 // The virtual advance at a point: chi, its first and its second derivatives.
 struct VirtualAdvance {
   double value = 1.0;
@@ -57,6 +59,7 @@ std::array<Vec3, 2> advances_at_rest(const ShellModel& m, const ReleaseLook& loo
 struct RingPoint {
   GatheredPoint own;  // functions and forms at rest
   Vec2 offset;
+  double thick = 1.0;  // factor of the thickness
 };
 
 // Writes a point into one lane of a pack.
@@ -67,7 +70,10 @@ void fill_lane(const ShellModel& m, const ReleaseLook& look, const std::array<Ve
   const VirtualAdvance chi = advance_at(p.offset, look.inner, look.outer);
   pack.offset.u[lane] = p.offset.x(), pack.offset.v[lane] = p.offset.y();
   pack.chi[lane] = chi.value, pack.slope.u[lane] = chi.slope.x(), pack.slope.v[lane] = chi.slope.y();
-  pack.chi_uu[lane] = chi.uu, pack.chi_vv[lane] = chi.vv, pack.chi_uv[lane] = chi.uv;
+  pack.chi_uu[lane] = p.thick * chi.uu, pack.chi_vv[lane] = p.thick * chi.vv, pack.chi_uv[lane] = p.thick * chi.uv;
+  pack.bent_slope.u[lane] = p.thick * chi.slope.x(), pack.bent_slope.v[lane] = p.thick * chi.slope.y();
+  pack.curvature.c11[lane] = f.b.c11 / p.thick, pack.curvature.c22[lane] = f.b.c22 / p.thick;
+  pack.curvature.c12[lane] = f.b.c12 / p.thick;
   pack.rest.a.c11[lane] = f.a.c11, pack.rest.a.c22[lane] = f.a.c22, pack.rest.a.c12[lane] = f.a.c12;
   pack.rest.b.c11[lane] = f.b.c11, pack.rest.b.c22[lane] = f.b.c22, pack.rest.b.c12[lane] = f.b.c12;
   pack.linear[lane] = p.own.kind == PointKind::kLinear ? -1 : 0;
@@ -77,6 +83,14 @@ void fill_lane(const ShellModel& m, const ReleaseLook& look, const std::array<Ve
     pack.along[k].u[lane] = inverse * (f.a.c22 * eu - f.a.c12 * ev);
     pack.along[k].v[lane] = inverse * (f.a.c11 * ev - f.a.c12 * eu);
     pack.up[k][lane] = e[k].dot(vec(f.normal));
+    if (!m.varies()) continue;
+    const Vec2 at = look.tip + p.offset, step(kTaperStep * m.spacing_u, kTaperStep * m.spacing_v);
+    const auto change = [&](int d) {
+      const Vec2 way = d == 0 ? Vec2(step.x(), 0.0) : Vec2(0.0, step.y());
+      return (m.thickness_at(Vec2(at + way)) - m.thickness_at(Vec2(at - way))) /
+             (2.0 * step[d] * m.thickness * p.thick);
+    };
+    pack.taper[k][lane] = pack.along[k].u[lane] * change(0) + pack.along[k].v[lane] * change(1);
   }
   for (std::size_t i = 0; i < pack.functions; ++i) {
     ReleaseRing::Function& to = ring.functions[pack.begin + i];
@@ -101,8 +115,9 @@ void find_points(const ShellModel& m, const ShellState& s, const ReleaseLook& lo
     } else {
       p.own.area = t.metric[t.at(block, kMetricFields, kArea, lane)], p.own.kind = PointKind::kQuadratic;
       patch_functions(m.patch, look.tip + offset, t.stride, p.own.functions);
+      thicken(p.own.functions, t.thickness_factor(block, lane));
     }
-    p.offset = offset;
+    p.offset = offset, p.thick = t.thickness_factor(block, lane);
     if (p.own.kind != PointKind::kDead && !p.own.functions.empty()) points.push_back(std::move(p));
   });
   std::stable_sort(points.begin(), points.end(), [](const RingPoint& a, const RingPoint& b) {
@@ -221,18 +236,21 @@ LinearField nearest_field(const std::vector<Present>& points, int k, double spac
   return {in_all_lanes(fit.row(0)), in_all_lanes(fit.row(1)), in_all_lanes(fit.row(2))};
 }
 
-// What points add to the integrals of advance k, for each of their area [N/m].
+// What points add to the integrals of advance k, for each of their area [N/m]. Where the thickness varies an area
+// changes its energy by the thickness alone as well, that of bending with the third power.
+template <bool kVaries>
 Pack density_at(const Present& p, int k, const LinearField& field, double mass_per_area) {
   const ReleasePack& at = *p.at;
   const Vector2<Pack>& e = at.along[k];
   const Vector<Pack>& w = p.w[k];
   const Vector<Pack>&u = p.d.u, &v = p.d.v, &normal = p.f.normal;
   const Pack &cu = at.slope.u, &cv = at.slope.v;
-  const Sym2<Pack>&n = p.r.n, &m = p.r.m, &b = p.f.b, &rest = at.rest.b;
+  const Sym2<Pack>&n = p.r.n, &m = p.r.m, &b = p.f.b, &rest = at.curvature;
   const Vector<Pack> f = field.middle + at.offset.u * field.u + at.offset.v * field.v;
   const Vector<Pack> fu = cu * f + at.chi * field.u, fv = cv * f + at.chi * field.v;  // of chi f
-  const Vector<Pack> fuu = at.chi_uu * f + 2.0 * cu * field.u, fvv = at.chi_vv * f + 2.0 * cv * field.v,
-                     fuv = at.chi_uv * f + cu * field.v + cv * field.u;
+  const Pack &su = at.bent_slope.u, &sv = at.bent_slope.v;
+  const Vector<Pack> fuu = at.chi_uu * f + 2.0 * su * field.u, fvv = at.chi_vv * f + 2.0 * sv * field.v,
+                     fuv = at.chi_uv * f + su * field.v + sv * field.u;
   const Pack inverse = p.f.inverse_area * p.f.inverse_area;
   const Vector<Pack> du = inverse * (p.f.a.c22 * u - p.f.a.c12 * v), dv = inverse * (p.f.a.c11 * v - p.f.a.c12 * u);
   const auto bend = [&](const Vector<Pack>& second, const Vector<Pack>& x) {
@@ -246,7 +264,12 @@ Pack density_at(const Present& p, int k, const LinearField& field, double mass_p
                     2.0 * m.c12 * (b1 * cv + b2 * cu - bend(fuv, p.d.uv));
   const Pack stored = p.r.energy + 0.5 * mass_per_area * dot(p.v, p.v);
   const Pack moving = dot(p.acceleration, w - f) - dot(p.v, e.u * p.vu + e.v * p.vv);
-  return stretched - bent - stored * (e.u * cu + e.v * cv) + at.chi * mass_per_area * moving;
+  const Pack density = stretched - bent - stored * (e.u * cu + e.v * cv) + at.chi * mass_per_area * moving;
+  if constexpr (!kVaries) return density;
+  const Sym2<Pack>& flat = at.rest.b;
+  const Pack thicker =
+      stored - m.c11 * (b.c11 - flat.c11) - m.c22 * (b.c22 - flat.c22) - 2.0 * m.c12 * (b.c12 - flat.c12);
+  return density - at.chi * at.taper[k] * thicker;
 }
 
 // Whether a point lies behind a tip, within kWake of its course, where its own crack is.
@@ -294,11 +317,16 @@ Vec2 energy_release_at(const ShellModel& m, const ShellState& s, const ReleaseLo
   for (int k = 0; k < 2; ++k) {
     const LinearField field = nearest_field(points, k, m.spacing);
     Pack all{};
-    for (const Present& p : points)
-      all += select(p.sound, p.at->area * density_at(p, k, field, m.material.density * m.thickness), Pack{});
+    const double mass_per_area = m.material.density * m.thickness;
+    if (m.varies())
+      for (const Present& p : points)
+        all += select(p.sound, p.at->area * density_at<true>(p, k, field, mass_per_area), Pack{});
+    else
+      for (const Present& p : points)
+        all += select(p.sound, p.at->area * density_at<false>(p, k, field, mass_per_area), Pack{});
     sum[k] = sum_of(all);
   }
-  return sum / m.thickness;
+  return sum / m.thickness_at(look.tip);
 }
 
 std::optional<Vec2> tip_release(const ShellModel& m, const ShellState& s, const Tip& tip, ReleaseRing& ring) {

@@ -18,6 +18,7 @@ namespace sunder::shell {
 ///     G thickness = int n^ab (w chi_,a - (chi f)_,a) . x_,b + n^ab bbar_ab (e . nbar) chi
 ///                 - int m^ab (2 b_bc e^c chi_,a - ((chi f)_,ab - Gamma^c_ab (chi f)_,c) . n)
 ///                 - int (W + K) e^c chi_,c + int rho thickness (a . (w - f) - v . v_,c e^c) chi
+///                 - int (d(W + K) / d thickness) thickness_,c e^c chi
 ///
 /// over the area at rest; W and K are the elastic and the kinetic energy of it. Loads are left out: they are of second
 /// order in the radius. Zero in a smooth field. Not valid where `outer` reaches another tip, crack or border, nor where

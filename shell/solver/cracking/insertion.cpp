@@ -28,6 +28,7 @@ const GatheredPoint& present_point(const ShellModel& m, const ShellState& s, int
   GatheredPoint& g = made;
   g.block = block, g.lane = lane, g.kind = PointKind::kQuadratic;
   g.functions = patch_functions(m.patch, gauss_point(m.patch, t, block, lane).parameter, t.stride);
+  thicken(g.functions, t.thickness_factor(block, lane));
   const double* metric = &s.cracked.tables.metric[t.at(block, kMetricFields, 0, lane)];
   g.area = metric[kArea * t.lanes];
   g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
@@ -57,6 +58,7 @@ GatheredPoint renewed(const ShellModel& m, const Visibility& visibility, const G
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
   g.functions = to_slots(m, mls);
+  thicken(g.functions, m.tables.thickness_factor(g.block, g.lane));
   round_to_units(g.functions);
   if (g.kind != PointKind::kDead) {
     const Forms<double> rest = surface_forms(gather(m.tables, g, m.rest));
@@ -353,7 +355,7 @@ void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, in
     lock.edge = first + static_cast<int>(i);
     const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
     if (e.is_trim()) continue;
-    lock.area = (e.b - e.a).norm() * m.thickness;
+    lock.area = (e.b - e.a).norm() * m.thickness_at(0.5 * (e.a + e.b));
     keyed[i] = fasten(m, s, lock);
   }
   for (const Refastened& r : again) {

@@ -109,7 +109,7 @@ void follow_release(Drive& drive, const TipRelease& release, const ShellModel& m
                     double most_turn) {
   const double along = release.energy.x(), across = release.energy.y();
   drive.release = tip.release < 0.0 ? along : tip.release + share * (along - tip.release);
-  const bool torn = release.apart > m.thickness;
+  const bool torn = release.apart > m.thickness_at(tip.p);
   if (torn) drive.turn = along > 0.0 ? std::clamp(std::atan2(across, along), -most_turn, most_turn) : 0.0;
   if (!torn && !(drive.ratio > 0.0)) return;  // nothing opens the crack
   const double kink = torn ? 1.0 : kink_factor(drive.turn);

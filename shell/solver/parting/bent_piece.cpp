@@ -212,7 +212,7 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
              ConvexShape& shape, DrawnMesh& drawn) {
   const PieceSurface rest{[&](const Vec2& p) -> Faces {
                             const SurfacePoint q = m.patch.evaluate(p);
-                            const Vec3 unit = q.u.cross(q.v).normalized(), n = 0.5 * m.thickness * unit;
+                            const Vec3 unit = q.u.cross(q.v).normalized(), n = 0.5 * m.thickness_at(p) * unit;
                             return {to_body * (q.x - n - centre), to_body * (q.x + n - centre), to_body * unit};
                           },
                           std::numeric_limits<double>::infinity()};
@@ -220,7 +220,7 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
   // As `rest.at`, but for round-off: bodies of flat panes keep the bits that they have always had.
   const auto faces = [&](const Vec2& p, Vec3& low, Vec3& high) {
     const SurfacePoint q = m.patch.evaluate(p);
-    const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
+    const Vec3 n = 0.5 * m.thickness_at(p) * q.u.cross(q.v).normalized();
     low = to_body * (q.x - n - centre), high = to_body * (q.x + n - centre);
   };
   const std::size_t before = shape.parts.size();
@@ -255,7 +255,7 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
 void add_rest(const ShellModel& m, const std::vector<Vec2>& parameters, DrawnMesh& drawn) {
   for (const Vec2& p : parameters) {
     const SurfacePoint q = m.patch.evaluate(p);
-    const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
+    const Vec3 n = 0.5 * m.thickness_at(p) * q.u.cross(q.v).normalized();
     drawn.rest.push_back(q.x - n), drawn.rest.push_back(q.x + n);
     drawn.uv.insert(drawn.uv.end(), 2, drawn_parameter(m, p));
   }

@@ -54,14 +54,42 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
   return {};
 }
 
-// Rest geometry of a piece: mid-surface triangles with thickness tau.
+// Rest geometry of a piece: mid-surface triangles with thickness tau. Where it varies, tau is that of the scene.
 struct Geometry {
-  double area = 0.0;
+  double area = 0.0;    // [m^2]
+  double volume = 0.0;  // over tau [m^2]
   Vec3 centre = Vec3::Zero();
   Mat3 second = Mat3::Zero();  // integral of (x - centre)(x - centre)^T over the volume / tau
 };
 
+// The same where the thickness varies, with its value at the middle of each side.
+Geometry tapered_geometry(const ShellModel& m, const Triangulation& t, int piece) {
+  Geometry g;
+  for (const int i : t.triangles_of(piece)) {
+    Vec2 p[3];
+    Vec3 c[3];
+    for (int k = 0; k < 3; ++k) p[k] = t.vertices[t.triangles[i][k]], c[k] = m.patch.evaluate(p[k]).x;
+    const Vec3 cross = (c[1] - c[0]).cross(c[2] - c[0]);
+    const double area = 0.5 * cross.norm();
+    if (area == 0.0) continue;
+    const Vec3 n = cross / (2.0 * area);
+    g.area += area;
+    for (int k = 0; k < 3; ++k) {
+      const double tau = m.thickness_at(Vec2(0.5 * (p[k] + p[(k + 1) % 3]))), part = area / 3.0 * tau / m.thickness;
+      const Vec3 x = 0.5 * (c[k] + c[(k + 1) % 3]);
+      g.volume += part, g.centre += part * x;
+      g.second += part * (x * x.transpose() + tau * tau / 12.0 * n * n.transpose());
+    }
+  }
+  if (g.volume > 0.0) {
+    g.centre /= g.volume;
+    g.second -= g.volume * g.centre * g.centre.transpose();
+  }
+  return g;
+}
+
 Geometry rest_geometry(const ShellModel& m, const Triangulation& t, int piece) {
+  if (m.varies()) return tapered_geometry(m, t, piece);
   Geometry g;
   Mat3 about_origin = Mat3::Zero();
   for (const int i : t.triangles_of(piece)) {
@@ -80,6 +108,7 @@ Geometry rest_geometry(const ShellModel& m, const Triangulation& t, int piece) {
     g.centre /= g.area;
     g.second = about_origin - g.area * g.centre * g.centre.transpose();
   }
+  g.volume = g.area;
   return g;
 }
 
@@ -315,7 +344,8 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   const Geometry g = rest_geometry(m, t, piece.number);
   Handoff out;
   out.area = g.area;
-  double target = m.material.density * m.thickness * g.area;
+  double target = m.material.density * m.thickness * g.volume;
+  out.weighs = target;
   std::vector<int> slots;
   double mass = 0.0;
   Vec3 momentum = Vec3::Zero();
@@ -344,7 +374,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   Vec3 angular = Vec3::Zero();
   for (const int slot : slots) angular += s.motion.mass[slot] * (s.position(slot) - centre).cross(velocity_now(slot));
   // Lumping has put mass on the wrong side of the crack and has shifted its centre. Masses that cross the crack correct
-  // both: the piece then weighs rho tau area about its true centre. Each mass carries its own velocity.
+  // both: the piece then weighs density times volume about its true centre. Each mass carries its own velocity.
   double missing = target - mass;
   out.mass_moved = missing;
   const auto receive = [&](int slot, double part, const Vec3& v) {  // from a control point that stays
@@ -388,7 +418,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   }
   target -= missing;  // no control point can give or take it: the run reports an error of the geometry
   // By area, except where the mass differs.
-  const double surface_density = missing == 0.0 ? m.material.density * m.thickness : target / g.area;
+  const double surface_density = missing == 0.0 ? m.material.density * m.thickness : target / g.volume;
   const Mat3 inertia = surface_density * (g.second.trace() * Mat3::Identity() - g.second);
   Vec3 common = Vec3::Zero();
   double source_mass = 0.0, energy = 0.0;

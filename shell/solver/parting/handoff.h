@@ -35,15 +35,16 @@ Totals totals(const ShellModel& model, const ShellState& state);
 struct Handoff {
   RigidBody body;
   double area = 0.0;        // [m^2]
-  double mass_moved = 0.0;  // [kg] moved across the crack so that the piece weighs rho tau area
+  double weighs = 0.0;      // [kg] density times the volume at rest
+  double mass_moved = 0.0;  // [kg] moved across the crack so that the piece weighs density times volume
   std::vector<int> donors;  // slots of control points that stay and gave mass
   DrawnMesh drawn;
 };
 
 /// Makes a rigid body of a piece. Its shape is that at rest, its pose the best fit to its control points. Its mass is
-/// rho tau area; its linear and angular momentum are those of its control points exactly. Lumping puts some mass on the
-/// wrong side of the crack: it is exchanged with the nearest control points that stay, with its own momentum. The piece
-/// is then removed from the shell. `dt` is the substep [s]. The caller books the lost energy.
+/// density times volume; its linear and angular momentum are those of its control points exactly. Lumping puts some
+/// mass on the wrong side of the crack: it is exchanged with the nearest control points that stay, with its own
+/// momentum. The piece is then removed from the shell. `dt` is the substep [s]. The caller books the lost energy.
 Handoff hand_off(const ShellModel& model, ShellState& state, const Triangulation& t, const Piece& piece, BodyId id,
                  double dt);
 

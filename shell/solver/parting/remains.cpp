@@ -21,7 +21,8 @@ PieceSurface present_surface(const ShellModel& m, const ShellState& s) {
   const auto faces_at = [&m, &s](const Vec2& p) -> Faces {
     const SurfacePoint q = surface(m, s, p);
     const Vec3 n = q.u.cross(q.v).normalized();
-    return {q.x - 0.5 * m.thickness * n, q.x + 0.5 * m.thickness * n, n};
+    const double half = 0.5 * m.thickness_at(p);
+    return {q.x - half * n, q.x + half * n, n};
   };
   return {faces_at, kNoSurface};
 }

@@ -43,8 +43,9 @@ std::vector<double> fictitious_masses(const ShellModel& m, const ShellState& s) 
     for (int e = 0; e < t.spans_u; ++e) {
       const double* metric = &s.cracked.tables.metric[t.at(q, kMetricFields, 0, e)];
       if (metric[kArea * t.lanes] == 0.0) continue;
-      add(patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride),
-          {metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]}, metric[kArea * t.lanes]);
+      std::vector<GatheredFunction> n = patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride);
+      thicken(n, t.thickness_factor(q, e));
+      add(n, {metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]}, metric[kArea * t.lanes]);
     }
   for (const GatheredPoint& g : s.cracked.gathered)
     if (g.kind != PointKind::kDead && !g.in_rows) add(g.functions, g.metric.a, g.area);

@@ -49,7 +49,7 @@ Eigen::SparseMatrix<double> tangent_stiffness(const ShellModel& m, ShellState& s
     epsilon[i] = (fourth    ? kFourthOrderDifference
                   : central ? kCentralDifference
                             : kDifference) *
-                 std::sqrt(m.mass[i] / (m.material.density * m.thickness));
+                 std::sqrt(m.mass[i] / m.mass_per_area(static_cast<int>(i)));
   forces();
   const std::vector<double> f0 = s.motion.force, x = s.motion.x;
   std::vector<double> before = f0;  // forces at the other side of a difference

@@ -71,7 +71,7 @@ Vec3 at(const VtpArray& a, std::size_t i) { return {a.values[3 * i], a.values[3 
 
 TEST(ThickSheet, OfAPlateIsABox) {
   const VtpMesh plate = surface(4, [](double u, double v) { return Vec3(2.0 * u, v, 0.3); });
-  const VtpMesh box = thick_sheet(plate, all(plate, 0.1), 0.1);
+  const VtpMesh box = thick_sheet(plate, all(plate, 0.1), all(plate, 0.1));
   expect_closed(box);
   EXPECT_NEAR(volume_of(box), 0.2, 1e-14);
   EXPECT_NEAR(area_of(box), 2 * 2.0 + 0.1 * 6.0, 1e-13);
@@ -92,7 +92,7 @@ TEST(ThickSheet, OfAPlateIsABox) {
 
 TEST(ThickSheet, CellsHaveTheValuesOfTheirTriangle) {
   const VtpMesh plate = surface(3, [](double u, double v) { return Vec3(u, v, 0.0); });
-  const VtpMesh box = thick_sheet(plate, all(plate, 0.1), 0.1);
+  const VtpMesh box = thick_sheet(plate, all(plate, 0.1), all(plate, 0.1));
   ASSERT_EQ(box.cell_data.size(), 3u);
   for (std::size_t i = 0; i < box.polygons.size(); ++i) {
     const auto own = static_cast<std::size_t>(box.cell_data[0].values[i]);
@@ -113,7 +113,7 @@ TEST(ThickSheet, OfACapHasTheVolumeOfAreaAndThickness) {
   for (const int n : {8, 16}) {
     const VtpMesh cap =
         surface(n, [](double u, double v) { return Vec3(kRadius * Vec3(u - 0.5, v - 0.5, 1.0).normalized()); });
-    const VtpMesh solid = thick_sheet(cap, all(cap, kThickness), kThickness);
+    const VtpMesh solid = thick_sheet(cap, all(cap, kThickness), all(cap, kThickness));
     expect_closed(solid);
     EXPECT_NEAR(volume_of(solid) / (area_of(cap) * kThickness), 1.0, 0.5 / (n * n)) << n;
   }
@@ -125,7 +125,7 @@ TEST(ThickSheet, PartsThatMeetInAPointAreClosed) {
   const VtpMesh mesh = surface(
       4, [](double u, double v) { return Vec3(u, v, 0.1 * u * v); },
       [](int i, int j) { return !(i == 1 && j == 1) && !(i == 2 && j == 2); });
-  const VtpMesh solid = thick_sheet(mesh, all(mesh, 0.02), 0.02);
+  const VtpMesh solid = thick_sheet(mesh, all(mesh, 0.02), all(mesh, 0.02));
   expect_closed(solid);
   EXPECT_NEAR(volume_of(solid) / (area_of(mesh) * 0.02), 1.0, 1e-3);
   EXPECT_EQ(solid.points.size(), 2 * (25u + 1u));
@@ -148,7 +148,7 @@ TEST(ThickSheet, CracksAreOpen) {
       for (int& p : mesh.polygons[i])
         if (twin.count(p)) p = twin[p];
   ASSERT_EQ(mesh.points.size(), before + 4);
-  const VtpMesh solid = thick_sheet(mesh, all(mesh, 0.1), 0.1);
+  const VtpMesh solid = thick_sheet(mesh, all(mesh, 0.1), all(mesh, 0.1));
   expect_closed(solid);
   EXPECT_NEAR(volume_of(solid), 0.1, 1e-14);
   double edges = 0.0;
@@ -171,7 +171,7 @@ TEST(ThickSheet, FacesTurnWithTheSheet) {
     for (int d = 0; d < 3; ++d)
       mesh.point_data[0].values[3 * i + d] = v[d], mesh.point_data[1].values[3 * i + d] = x[d] - rest[d];
   }
-  const VtpMesh solid = thick_sheet(mesh, all(mesh, 0.08), 0.08);
+  const VtpMesh solid = thick_sheet(mesh, all(mesh, 0.08), all(mesh, 0.08));
   for (std::size_t i = 0; i < solid.points.size(); ++i) {
     const Vec3& x = solid.points[i];
     EXPECT_LT((at(solid.point_data[0], i) - spin.cross(x)).norm(), 1e-13);
@@ -185,7 +185,7 @@ TEST(ThickSheet, HasThePresentThickness) {
   const VtpMesh plate = surface(8, [](double u, double v) { return Vec3(u, v, 0.0); });
   std::vector<double> thickness;
   for (std::size_t i = 0; i < plate.polygons.size(); ++i) thickness.push_back(i % 16 < 8 ? 0.1 : 0.05);
-  const VtpMesh solid = thick_sheet(plate, thickness, 0.1);
+  const VtpMesh solid = thick_sheet(plate, thickness, all(plate, 0.1));
   expect_closed(solid);
   EXPECT_NEAR(volume_of(solid), 0.5 * (0.1 + 0.05), 1e-3);
   double most = 0.0, least = 1.0;

@@ -1,0 +1,139 @@
+// Thickness that varies by a scene: law, map and paint, and what is refused.
+#include <cmath>
+#include <fstream>
+
+#include "coupler/core/error.h"
+#include "tests/shell/io/mesh_scene.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+class VaryingScene : public MeshScene {
+ protected:
+  std::string plate_scene(const std::string& in_shell, const std::string& patch = "") const {
+    return R"(name: "plate"
+end_time_s: 1
+window_s: 1e-4
+materials { name: "glass" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 }
+materials { name: "film" density: 1100 youngs_modulus: 50e6 poisson_ratio: 0.45 }
+shells {
+  name: "pane"
+  material: "glass"
+  thickness_m: 0.01
+)" + (patch.empty() ? std::string("  plate { size_x_m: 0.4 size_y_m: 0.2 elements_x: 16 elements_y: 8 }") : patch) +
+           "\n  " + in_shell + "\n}\n";
+  }
+  RunSetup plate(const std::string& in_shell, const std::string& patch = "") const {
+    write("plate.textproto", plate_scene(in_shell, patch));
+    return build(scene::load(folder.path + "/plate.textproto", {}));
+  }
+  void refused(const std::string& in_shell, const std::string& field, const std::vector<std::string>& says,
+               const std::string& patch = "") const {
+    try {
+      plate(in_shell, patch);
+      ADD_FAILURE() << in_shell;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.status, Exit::kBadInput);
+      EXPECT_EQ(e.field, "shells[0]." + field) << e.what();
+      EXPECT_GT(e.line, 0) << e.what();
+      for (const std::string& part : says) expect_part(e.what(), part);
+    }
+  }
+  static double mass(const RunSetup& r) {
+    double sum = 0.0;
+    for (const ShellSetup& s : r.shells)
+      for (const double part : s.model.mass) sum += part;
+    return sum;
+  }
+};
+
+constexpr double kWhole = 2500 * 0.01 * 0.4 * 0.2;
+const char* kLaw = "thickness_law { along: X points { at_m: -0.2 factor: 1 } points { at_m: 0.2 factor: 0.5 } }";
+
+TEST_F(VaryingScene, ALawAlongAnAxisOrAParameterGivesTheMass) {
+  EXPECT_NEAR(mass(plate(kLaw)) / kWhole, 0.75, 1e-12);
+  EXPECT_NEAR(mass(plate("thickness_law { along: V points { factor: 2 } points { at_m: 0.2 factor: 1 } }")) / kWhole,
+              1.5, 1e-12);
+  const ShellModel m = plate(kLaw).shells[0].model;
+  EXPECT_NEAR(m.thickness_at(Vec2(0.1, 0.1)), 0.00875, 1e-12);
+  EXPECT_NEAR(m.thickness_at(Vec2(0.5, 0.1)), 0.005, 1e-12);  // beyond the border: that of the border
+  // constant beyond its ends
+  EXPECT_NEAR(mass(plate("thickness_law { along: U points { at_m: 0.1 factor: 1 } points { at_m: 0.2 factor: 0.5 } }")),
+              kWhole * (0.1 + 0.075 + 0.1) / 0.4, 1e-4 * kWhole);  // kinks within elements
+}
+
+TEST_F(VaryingScene, AMapAndALawMultiply) {
+  write("map.pgm", std::string("P2 2 2 255\n0 255 0 255\n"));
+  const std::string map = "thickness_map { path: 'map.pgm' low_factor: 0.5 } ";
+  const std::string square = "  plate { size_x_m: 0.2 size_y_m: 0.2 elements_x: 8 elements_y: 8 }";
+  // linear between the centres of two pixels, constant beyond: 0.5 to 1
+  EXPECT_NEAR(mass(plate(map, square)) / (2500 * 0.01 * 0.04), 0.75, 1e-3);
+  EXPECT_NEAR(
+      mass(plate(map + "thickness_law { along: Y points { at_m: -0.1 factor: 2 } points { at_m: 0.1 factor: 2 } }",
+                 square)) /
+          (2500 * 0.01 * 0.04),
+      1.5, 2e-3);
+  refused("thickness_map { path: 'none.pgm' low_factor: 0.5 }", "thickness_map.path", {"cannot be read"});
+  refused(map, "thickness_map.path", {"0.4 m x 0.2 m", "would do"});
+  refused("thickness_map { path: 'map.pgm' }", "thickness_map.low_factor", {"is missing"}, square);
+}
+
+TEST_F(VaryingScene, AWrongLawIsRefused) {
+  const auto law = [](const std::string& text) { return "thickness_law { " + text + " }"; };
+  refused(law("points { factor: 1 } points { at_m: 1 factor: 1 }"), "thickness_law.along", {"is missing", "U, V, X"});
+  refused(law("along: X points { factor: 1 }"), "thickness_law.points", {"has 1", "two or more"});
+  refused(law("along: X points { factor: 1 } points { factor: 2 }"), "thickness_law.points[1].at_m", {"rise"});
+  refused(law("along: X points { factor: 1 } points { at_m: 1 }"), "thickness_law.points[1].factor", {"is missing"});
+  refused(law("along: X points { factor: 1 } points { at_m: 1 factor: 0.001 }"), "thickness_law.points[1].factor",
+          {"0.01 to 100"});
+  refused(law("along: Z points { at_m: 1 factor: 1 } points { at_m: 2 factor: 2 }"), "thickness_law.points",
+          {"from 1 to 2 m", "from 0 to 0 m along Z", "move them"});
+  write("map.pgm", std::string("P2 4 2 255\n0 0 0 0 0 0 0 0\n"));
+  refused("thickness_map { path: 'map.pgm' low_factor: 0.02 } " +
+              law("along: X points { factor: 0.02 } points { at_m: 1 factor: 0.02 }"),
+          "thickness_m", {"0.0004", "0.01 to 100"});
+}
+
+TEST_F(VaryingScene, IsRefusedWithAnInterlayerAndWithFibres) {
+  const std::string law = kLaw;
+  refused(law + " interlayer { material: 'film' thickness_m: 0.001 }", "thickness_law", {"an interlayer", "leave one"});
+  refused(law + " fibres { compression_modulus: 1e6 shear_modulus: 1e6 }", "thickness_law", {"fibres", "leave one"});
+}
+
+TEST_F(VaryingScene, ColoursOfAMeshAreItsThickness) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "0 0 0 0 0 0\n2 0 0 255 0 0\n2 1 0 255 0 0\n0 1 0 0 0 0\n4 0 1 2 3\n";
+  write("a.ply", text);
+  const RunSetup r = setup("path: 'a.ply' element_m: 0.1 thickness_paint { channel: RED low_factor: 0.5 }");
+  EXPECT_NEAR(mass(r) / (2500 * 0.01 * 2.0), 0.75, 1e-9);
+  expect_part(refusal("path: 'a.ply' element_m: 0.1 thickness_paint { low_factor: 0.5 }"), "channel");
+  expect_part(refusal("path: 'a.ply' element_m: 0.1 thickness_paint { channel: RED low_factor: 1e-9 }"), "0.01 to 100");
+  write("b.off", std::string("OFF\n4 1 0\n0 0 0\n2 0 0\n2 1 0\n0 1 0\n4 0 1 2 3\n"));
+  expect_part(refusal("path: 'b.off' element_m: 0.1 thickness_paint { channel: RED low_factor: 0.5 }"),
+              "have no colours");
+}
+
+// A closed tube becomes several charts: a law in space is that of all, one along U is of none.
+TEST_F(VaryingScene, ALawInSpaceGoesOverCharts) {
+  Triangles tube = lattice(48, 16, true, [](double u, double v) {
+    const double angle = 2.0 * std::numbers::pi * u;
+    return Vec3(std::cos(angle), std::sin(angle), v);
+  });
+  write("tube.obj", tube);
+  const std::string mesh = "path: 'tube.obj' element_m: 0.15";
+  const RunSetup even = setup(mesh);
+  ASSERT_GT(even.shells.size(), 1u);
+  const RunSetup r = setup(mesh, "thickness_law { along: Z points { factor: 1 } points { at_m: 1 factor: 0.5 } }");
+  EXPECT_NEAR(mass(r) / mass(even), 0.75, 2e-3);
+  expect_part(refusal(mesh, "thickness_law { along: U points { factor: 1 } points { at_m: 1 factor: 0.5 } }"),
+              "take X, Y or Z");
+  write("map.pgm", std::string("P2 2 2 255\n0 0 0 0\n"));
+  expect_part(refusal(mesh, "thickness_map { path: 'map.pgm' low_factor: 1 }"), "thickness_paint");
+}
+
+}  // namespace
