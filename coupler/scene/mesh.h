@@ -1,5 +1,5 @@
 #pragma once
-// Solids from the OFF, OBJ, PLY and STL files beside a scene.
+// Solids from the OFF, OBJ, PLY, STL and glTF files beside a scene.
 #include <array>
 #include <string>
 #include <vector>
@@ -46,9 +46,9 @@ struct Polygon {
   std::vector<int>
       texture{};  // of each corner: index of its texture coordinates, from 0; -1: none; empty: no corner has
 };
-/// What an OBJ file says of faces.
+/// What an OBJ or glTF file says of faces.
 struct FaceTag {
-  std::vector<std::string> groups;  // of g, and of o
+  std::vector<std::string> groups;  // of g, and of o; of nodes and meshes
   std::string usemtl;               // empty: none
 };
 /// Triangles of a polygon that may be concave, by ear clipping in the plane of its mean normal. Throws Error (bad_mesh)

@@ -44,8 +44,12 @@ MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, cons
     const char* suffix;
     void (*read)(MeshFile&);
   };
-  constexpr std::array<Format, 4> formats{
-      {{".off", read_off}, {".obj", read_obj}, {".ply", read_ply}, {".stl", read_stl}}};
+  constexpr std::array<Format, 6> formats{{{".off", read_off},
+                                           {".obj", read_obj},
+                                           {".ply", read_ply},
+                                           {".stl", read_stl},
+                                           {".glb", read_gltf},
+                                           {".gltf", read_gltf}}};
   MeshFile out{scene,
                field + ".path",
                mesh.path(),
@@ -59,8 +63,8 @@ MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, cons
   const auto* format =
       std::find_if(formats.begin(), formats.end(), [&](const Format& f) { return suffix == f.suffix; });
   if (format == formats.end())
-    out.fail(
-        fmt::format("ends in '{}'; files that end in .off, .obj, .ply or .stl are read: export one of them", suffix));
+    out.fail(fmt::format(
+        "ends in '{}'; files that end in .off, .obj, .ply, .stl, .glb or .gltf are read: export one of them", suffix));
   format->read(out);
   return out;
 }

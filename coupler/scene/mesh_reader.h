@@ -47,5 +47,7 @@ void read_obj(MeshFile& mesh);
 void read_ply(MeshFile& mesh);
 /// ASCII and binary. Corners with equal coordinates are one point.
 void read_stl(MeshFile& mesh);
+/// glTF 2.0, text and binary, turned so that z is up. Nodes and meshes are groups.
+void read_gltf(MeshFile& mesh);
 
 }  // namespace sunder::scene

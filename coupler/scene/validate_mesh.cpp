@@ -9,7 +9,8 @@ namespace sunder::scene {
 namespace {
 
 void surface_mesh(const LoadedScene& s, const std::string& f, const proto::SurfaceMesh& m) {
-  s.check(!m.path().empty(), f + ".path", "is missing; name an .obj, .off, .ply or .stl file beside the scene");
+  s.check(!m.path().empty(), f + ".path",
+          "is missing; name an .obj, .off, .ply, .stl, .glb or .gltf file beside the scene");
   if (m.has_unit_m()) positive(s, f + ".unit_m", true, m.unit_m(), "m");
   positive(s, f + ".element_m", m.has_element_m(), m.element_m(), "m");
   s.check(!m.has_crease_deg() || (m.crease_deg() >= 5.0 && m.crease_deg() <= 180.0), f + ".crease_deg",
@@ -19,6 +20,9 @@ void surface_mesh(const LoadedScene& s, const std::string& f, const proto::Surfa
           m.weld_m(), m.element_m());
   s.check(m.up() == proto::SurfaceMesh::Z || m.up() == proto::SurfaceMesh::Y, f + ".up", "is {}; Z or Y",
           static_cast<int>(m.up()));
+  const std::string suffix = m.path().substr(std::min(m.path().size(), m.path().rfind('.')));
+  s.check(m.up() == proto::SurfaceMesh::Z || (suffix != ".glb" && suffix != ".gltf"), f + ".up",
+          "is Y, and '{}' is turned upright anyway, as glTF says what is up; leave it out", m.path());
   pose(s, f + ".pose", m.pose());
 }
 

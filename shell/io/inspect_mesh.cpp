@@ -74,7 +74,7 @@ MeshJson chart_of(const ShellModel& m, const MeshPatch& p, double element) {
 bool is_mesh_file(const std::string& file) {
   std::string end = std::filesystem::path(file).extension();
   for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return end == ".obj" || end == ".off" || end == ".ply" || end == ".stl";
+  return end == ".obj" || end == ".off" || end == ".ply" || end == ".stl" || end == ".glb" || end == ".gltf";
 }
 
 std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {

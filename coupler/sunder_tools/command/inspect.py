@@ -13,7 +13,7 @@ from ..words import command_line
 from .parser import Subparsers, add_command, number_within
 
 NAME = "inspect"
-MESHES = (".obj", ".off", ".ply", ".stl")
+MESHES = (".obj", ".off", ".ply", ".stl", ".glb", ".gltf")
 SCENE = """\
 # {which} of {path} as {shells}. The part falls on a floor.
 name: "{name}"
@@ -38,7 +38,7 @@ def add_parser(subparsers: Subparsers) -> None:
         "be refused as shells, or be too slow, and why, and counts the edges that they share. Builds the programs with\n"
         "OpenCASCADE where they are without. Of a mesh it tells counts, borders, size and the charts that become shells.",
         "sunder inspect part.step --element 0.002 --scene part.textproto")
-    parser.add_argument("file", metavar="FILE", type=Path, help="a .step, .stp, .igs or .iges file,\nor a mesh: .obj, .off, .ply or .stl")
+    parser.add_argument("file", metavar="FILE", type=Path, help="a .step, .stp, .igs or .iges file,\nor a mesh: .obj, .off, .ply, .stl, .glb or .gltf")
     parser.add_argument("--element", metavar="M", type=_length,
                         help="spacing of shells [m] (default: a fortieth of the size)")
     parser.add_argument("--unit", metavar="M", type=_length, help="unit [m], 0.001 for millimetres: of a mesh (default: 1),\nor of a CAD file that says none")
@@ -120,7 +120,7 @@ def mesh_report(told: dict[str, Any]) -> str:
         if told[kind]:
             lines.append(f"{kind}: " + ", ".join(f"{own['name']} ({_count(own['triangles'], 'triangle')})" for own in told[kind]))
     if told["coloured"]:
-        lines.append("points have colours, which strength_paint may use")
+        lines.append("points have colours, which strength_paint and thickness_paint may use")
     if told["refused"] is not None:
         return "\n".join([*lines, f"refused: {told['refused']}"]) + "\n"
     lines.append(f"{'shell':12} {'triangles':>9} {'size [m]':>21} {'area [m^2]':>11} {'elements':>11} {'stretch':>8} "

@@ -1,0 +1,187 @@
+// glTF files as shells: both kinds, where their nodes put them, and what is refused.
+#include <array>
+#include <cstring>
+#include <fstream>
+
+#include "shell/io/inspect_mesh.h"
+#include "shell/io/mesh_parts.h"
+#include "tests/shell/io/mesh_scene.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+template <class T>
+std::string bytes(const std::vector<T>& numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T)};
+}
+std::string base64(const std::string& from) {
+  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t k = 0; k < from.size(); k += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      bits = bits << 8 | (k + i < from.size() ? static_cast<unsigned char>(from[k + i]) : 0u);
+    for (int i = 0; i < 4; ++i)
+      out += k + static_cast<std::size_t>(i) > from.size() ? '=' : digits[bits >> (18 - 6 * i) & 63u];
+  }
+  return out;
+}
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+// A rectangle of 2 m x 1 m that lies flat where y is up: four points, and colours 0, 1, 1, 0 in red.
+const std::string kBinary = bytes<float>({0, 0, 0, 2, 0, 0, 2, 0, -1, 0, 0, -1}) +
+                            bytes<std::uint16_t>({0, 1, 2, 0, 2, 3}) +
+                            bytes<std::uint8_t>({0, 0, 0, 255, 255, 0, 0, 255, 255, 0, 0, 255, 0, 0, 0, 255});
+std::string json(const std::string& uri, const std::string& node = "\"mesh\": 0", const std::string& more = "") {
+  return R"({ "asset": { "version": "2.0" }, "scene": 0, "scenes": [ { "nodes": [ 0 ] } ],
+  "nodes": [ { "name": "sheet", )" +
+         node + R"( }, { "name": "flap", "mesh": 0, "translation": [ 0, 0, 1 ] } ],
+  "materials": [ { "name": "clear" } ],
+  "meshes": [ { "primitives": [ { "attributes": { "POSITION": 0, "COLOR_0": 2 }, "indices": 1, "material": 0 } ] } ],
+  "accessors": [
+    { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3" },
+    { "bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR" },
+    { "bufferView": 2, "componentType": 5121, "count": 4, "type": "VEC4", "normalized": true } ],
+  "bufferViews": [ { "buffer": 0, "byteLength": 48 }, { "buffer": 0, "byteOffset": 48, "byteLength": 12 },
+                   { "buffer": 0, "byteOffset": 60, "byteLength": 16 } ],
+  "buffers": [ { "byteLength": 76)" +
+         (uri.empty() ? "" : ", \"uri\": \"" + uri + "\"") + " } ]" + more + " }";
+}
+std::string glb(std::string text, std::string binary) {
+  while (text.size() % 4) text += ' ';
+  while (binary.size() % 4) binary += '\0';
+  const auto size = static_cast<std::uint32_t>(28 + text.size() + binary.size());
+  return bytes<std::uint32_t>({0x46546C67, 2, size, static_cast<std::uint32_t>(text.size()), 0x4E4F534A}) + text +
+         bytes<std::uint32_t>({static_cast<std::uint32_t>(binary.size()), 0x004E4942}) + binary;
+}
+
+class MeshGltf : public MeshScene {};
+
+TEST_F(MeshGltf, TextWithDataTextWithAFileAndBinaryAreTheSame) {
+  write("a.gltf", json("data:application/octet-stream;base64," + base64(kBinary)));
+  write("b.gltf", json("b%20b.bin"));
+  write("b b.bin", kBinary);
+  write("c.glb", glb(json(""), kBinary));
+  for (const char* name : {"a.gltf", "b.gltf", "c.glb"}) {
+    const RunSetup r = setup(fmt::format("path: '{}' element_m: 0.2", name));
+    ASSERT_EQ(r.shells.size(), 1u);
+    EXPECT_NEAR(area(r), 2.0, 1e-9);
+    Eigen::AlignedBox3d box;  // upright: y of the file is z
+    for (const Vec3& x : r.shells[0].model.patch.control_points) box.extend(x);
+    EXPECT_LT((box.min() - Vec3(0, 0, 0)).norm(), 1e-9) << name;
+    EXPECT_LT((box.max() - Vec3(2, 1, 0)).norm(), 1e-9) << name;
+  }
+}
+
+// A child is placed by its parent: a turn of 90 degrees about y, twice as large, one up; and a mirror turns triangles.
+TEST_F(MeshGltf, NodesPlaceAndMirrorTheirMeshes) {
+  write("a.glb", glb(json("",
+                          "\"children\": [ 1 ], \"translation\": [ 0, 1, 0 ], \"scale\": [ 2, 2, -2 ], "
+                          "\"rotation\": [ 0, 0.70710678118654757, 0, 0.70710678118654757 ]"),
+                     kBinary));
+  const RunSetup r = setup("path: 'a.glb' element_m: 0.4");
+  EXPECT_NEAR(area(r), 8.0, 1e-8);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& x : r.shells[0].model.patch.control_points) box.extend(x);
+  // the sheet from (0, 0, 1) to (2, 0, 0) is scaled to (0, 0, -2) to (4, 0, 0), and turned to x from -2 to 0, z from -4
+  // to 0
+  EXPECT_LT((box.min() - Vec3(-2, 0, 1)).norm(), 1e-6);
+  EXPECT_LT((box.max() - Vec3(0, 4, 1)).norm(), 1e-6);
+  EXPECT_EQ(read_shell_mesh(scene::load(folder.path + "/scene.textproto", {}), "shells[0].mesh",
+                            scene::load(folder.path + "/scene.textproto", {}).message.shells(0).mesh())
+                .mesh.turned,
+            0);
+}
+
+TEST_F(MeshGltf, NodesAndMaterialsAreParts) {
+  write("a.glb", glb(json("", "\"mesh\": 0, \"children\": [ 1 ]"), kBinary));
+  const auto mass = [&](const std::string& part) {
+    double sum = 0.0;
+    for (const ShellSetup& s : setup("path: 'a.glb' element_m: 0.2 " + part).shells)
+      for (const double m : s.model.mass) sum += m;
+    return sum / (2500 * 0.01 * 2.0);
+  };
+  EXPECT_NEAR(mass(""), 2.0, 1e-9);
+  EXPECT_NEAR(mass("parts { group: 'flap' thickness_m: 0.005 }"), 1.5, 1e-6);
+  EXPECT_NEAR(mass("parts { usemtl: 'clear' thickness_m: 0.005 }"), 1.0, 1e-6);
+  expect_part(refusal("path: 'a.glb' element_m: 0.2 parts { group: 'flab' thickness_m: 0.005 }"),
+              "did you mean 'flap'");
+  const std::string told = inspect_mesh_report(folder.path + "/a.glb", {});
+  for (const char* part : {"\"flap\"", "\"sheet\"", "\"clear\"", "\"coloured\": true"}) expect_part(told, part);
+}
+
+TEST_F(MeshGltf, ColoursAreRead) {
+  write("a.glb", glb(json(""), kBinary));
+  const RunSetup r = setup("path: 'a.glb' element_m: 0.1 thickness_paint { channel: RED low_factor: 0.5 }");
+  double mass = 0.0;
+  for (const double m : r.shells[0].model.mass) mass += m;
+  EXPECT_NEAR(mass / (2500 * 0.01 * 2.0), 0.75, 1e-9);
+}
+
+TEST_F(MeshGltf, BadFilesAreRefusedByName) {
+  const std::string good = glb(json(""), kBinary);
+  const auto refused = [&](const std::string& content, const std::string& says, const char* name = "a.glb") {
+    write(name, content);
+    const std::string told = refusal(fmt::format("path: '{}' element_m: 0.2", name));
+    expect_part(told, says);
+    expect_part(told, "shells[0].mesh.path");
+  };
+  refused(good.substr(0, good.size() - 8), "is the copy whole?");
+  refused("glTF", "is no glTF file");
+  refused("{", "is no glTF file", "a.gltf");
+  refused("[]", "is no glTF file", "a.gltf");
+  refused(replaced(json("x.bin"), "\"2.0\"", "\"1.0\""), "glTF 2.0 is read", "a.gltf");
+  refused(json("none.bin"), "cannot be read", "a.gltf");
+  refused(json("../../x.bin"), "outside the scene's folder", "a.gltf");
+  refused(json("data:;base64,AAAA"), "has buffers[0] of 76 bytes, and 3 are there", "a.gltf");
+  refused(json("data:;base64,A*"), "base64 has not", "a.gltf");
+  refused(glb(json("", "\"mesh\": 0", ", \"extensionsRequired\": [ \"KHR_draco_mesh_compression\" ]"), kBinary),
+          "export it without compression");
+  refused(glb(json("", "\"mesh\": 7"), kBinary), "has meshes[7] named by a node, and has 1");
+  refused(glb(json("", "\"mesh\": 0, \"children\": [ 0 ]"), kBinary), "themselves as children");
+  refused(glb(json("", "\"camera\": 0"), kBinary), "has no mesh in its scene");
+  refused(glb(replaced(json(""), "\"count\": 6", "\"count\": 7"), kBinary), "goes on beyond bufferViews[1]");
+  refused(glb(replaced(json(""), "\"count\": 6", "\"count\": -6"), kBinary), "accessors[1].count of -6");
+  refused(glb(replaced(json(""), "5123", "5130"), kBinary), "the component type 5130");
+  refused(glb(replaced(json(""), "\"VEC3\"", "\"VEC2\""), kBinary), "of a type that does not fit");
+  refused(glb(replaced(replaced(json(""), ", \"COLOR_0\": 2", ""), "\"count\": 4, \"type\": \"VEC3\"",
+                       "\"count\": 3, \"type\": \"VEC3\""),
+              kBinary),
+          "has corner 3 in meshes[0].primitives[0], which has 3 points");
+  refused(glb(replaced(json(""), "\"count\": 4, \"type\": \"VEC3\"", "\"count\": 3, \"type\": \"VEC3\""), kBinary),
+          "no colours of its points");
+  refused(glb(json("", "\"mesh\": 0, \"rotation\": [ 0, 0, 0, 2 ]"), kBinary), "rotation of length 2");
+  refused(glb(json("", "\"mesh\": 0, \"matrix\": [ 1 ]"), kBinary), "not 16 numbers");
+  write("a.glb", good);
+  expect_part(refusal("path: 'a.glb' element_m: 0.2 up: Y"), "turned upright anyway");
+}
+
+// Strips and fans, sparse positions, and meshes without indices.
+TEST_F(MeshGltf, KindsOfPrimitivesAndSparseArrays) {
+  const std::string no_indices = replaced(json(""), "\"indices\": 1, ", "");
+  write("a.glb", glb(replaced(no_indices, "\"material\": 0", "\"material\": 0, \"mode\": 6"), kBinary));  // a fan
+  EXPECT_NEAR(area(setup("path: 'a.glb' element_m: 0.2")), 2.0, 1e-9);
+  const std::string strip = bytes<float>({0, 0, 0, 2, 0, 0, 0, 0, -1, 2, 0, -1}) + kBinary.substr(48);
+  write("a.glb", glb(replaced(no_indices, "\"material\": 0", "\"material\": 0, \"mode\": 5"), strip));
+  EXPECT_NEAR(area(setup("path: 'a.glb' element_m: 0.2")), 2.0, 1e-9);
+  // the second and the third point are moved by a sparse array, to x = 3
+  const std::string sparse = replaced(
+      replaced(
+          json(""), "\"count\": 4, \"type\": \"VEC3\"",
+          R"("count": 4, "type": "VEC3", "sparse": { "count": 2, "indices": { "bufferView": 3, "componentType": 5121 },
+                  "values": { "bufferView": 4 } })"),
+      "\"byteLength\": 16 }",
+      "\"byteLength\": 16 }, { \"buffer\": 0, \"byteOffset\": 76, \"byteLength\": 4 }, "
+      "{ \"buffer\": 0, \"byteOffset\": 80, \"byteLength\": 24 }");
+  write("a.glb", glb(replaced(sparse, "\"byteLength\": 76", "\"byteLength\": 104"),
+                     kBinary + bytes<std::uint8_t>({1, 2, 0, 0}) + bytes<float>({3, 0, 0, 3, 0, -1})));
+  EXPECT_NEAR(area(setup("path: 'a.glb' element_m: 0.2")), 3.0, 1e-9);
+}
+
+}  // namespace
