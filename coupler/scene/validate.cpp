@@ -89,6 +89,10 @@ void cad_face(const Scene& s, const std::string& f, const proto::CadFace& c) {
   s.check(!c.path().empty(), f + ".path", "is missing; name a STEP or IGES file beside the scene");
   s.check(c.face() >= 0, f + ".face", "is {}; faces are counted from 0", c.face());
   s.check(!c.has_face() || c.faces_size() == 0, f + ".faces", "are given, and so is face; give one of them");
+  const bool body = !c.body().empty(), layer = !c.layer().empty();
+  s.check(!body || !layer, f + ".layer", "is given, and so is body; give one of them");
+  s.check((!body && !layer) || (!c.has_face() && c.faces_size() == 0), f + (body ? ".body" : ".layer"),
+          "is given, and so are faces; give one of them");
   for (int i = 0; i < c.faces_size(); ++i) {
     const std::string own = fmt::format("{}.faces[{}]", f, i);
     s.check(c.faces(i) >= 0, own, "is {}; faces are counted from 0", c.faces(i));

@@ -20,6 +20,15 @@ std::vector<CadSurface> CadFile::surfaces(const scene::LoadedScene& scene, const
   scene.fail(field, "this build has no OpenCASCADE");
 }
 std::vector<CadEdge> CadFile::edges() const { return {}; }
+const std::vector<NamedCadFaces>& CadFile::bodies() const {
+  static const std::vector<NamedCadFaces> none;
+  return none;
+}
+const std::vector<NamedCadFaces>& CadFile::layers() const { return bodies(); }
+std::vector<int> CadFile::chosen(const scene::LoadedScene& scene, const std::string& field,
+                                 const proto::CadFace&) const {
+  scene.fail(field, "this build has no OpenCASCADE");
+}
 std::string CadFile::kind(int) const { return {}; }
 const std::string& CadFile::unit() const { return shape_->unit; }
 std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
@@ -71,10 +80,14 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <XSControl_WorkSession.hxx>
 #include <gp_Trsf.hxx>
 
+#include "coupler/core/nearest.h"
 #include "shell/io/cad_face.h"
+#include "shell/io/cad_names.h"
 
 namespace sunder::shell {
 namespace {
+
+constexpr int kStretches = 16;  // of an edge that is no line, between points that tell its course
 
 /// Silences OpenCASCADE, which prints to the caller's standard output.
 class Quiet {
@@ -189,6 +202,7 @@ struct Content {
   TopoDS_Shape shape;
   std::string unit;                    // of length
   std::map<int, std::string> crossed;  // faces whose border crosses itself, and what is said of it
+  CadNames names{};
 };
 
 // Brings a file that says no unit to millimetres. Throws Error where its unit is given twice or not at all.
@@ -263,7 +277,14 @@ Content read(const CadPlace& place, const proto::CadFace& cad) {
   if (!out.shape.IsNull()) TopExp::MapShapes(out.shape, TopAbs_FACE, faces);
   double factor = 1.0;
   set_unit(place, cad, unit_of(*reader, step), out, factor);
+  out.names = names_of(*reader, faces);
   out.crossed = crossed_faces(crossings_of(*reader), faces, factor);
+  return out;
+}
+
+std::vector<NamedCadFaces> listed(const std::map<std::string, std::set<int> >& names) {
+  std::vector<NamedCadFaces> out;
+  for (const auto& [name, faces] : names) out.push_back({name, {faces.begin(), faces.end()}});
   return out;
 }
 
@@ -274,6 +295,7 @@ struct CadFile::Shape {
   TopTools_IndexedMapOfShape faces;  // numbered from 1, each once
   TopTools_IndexedDataMapOfShapeListOfShape faces_of_edge;
   std::map<int, std::string> crossed;  // as Content has them
+  std::vector<NamedCadFaces> bodies, layers;
   // by face, scale and width of filled holes: some take long to approximate
   mutable std::map<std::tuple<int, double, double>, std::vector<CadSurface> > surfaces;
 };
@@ -286,6 +308,7 @@ CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, cons
   guarded(scene, field, path, [&] {
     const Content content = read({scene, field, path}, cad);
     out->unit = content.unit, out->crossed = content.crossed;
+    out->bodies = listed(content.names.bodies), out->layers = listed(content.names.layers);
     if (content.shape.IsNull()) return;
     TopExp::MapShapes(content.shape, TopAbs_FACE, out->faces);
     TopExp::MapShapesAndAncestors(content.shape, TopAbs_EDGE, TopAbs_FACE, out->faces_of_edge);
@@ -296,6 +319,25 @@ CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, cons
 }
 
 int CadFile::faces() const { return shape_->faces.Extent(); }
+const std::vector<NamedCadFaces>& CadFile::bodies() const { return shape_->bodies; }
+const std::vector<NamedCadFaces>& CadFile::layers() const { return shape_->layers; }
+
+std::vector<int> CadFile::chosen(const scene::LoadedScene& scene, const std::string& field,
+                                 const proto::CadFace& cad) const {
+  const bool body = !cad.body().empty();
+  const std::string &name = body ? cad.body() : cad.layer(), own = field + (body ? ".body" : ".layer");
+  const char* kind = body ? "body" : "layer";
+  std::vector<std::string> names;
+  for (const NamedCadFaces& n : body ? bodies() : layers()) {
+    if (n.name == name) return n.faces;
+    names.push_back(n.name);
+  }
+  scene.check(!names.empty(), own,
+              "is '{}', and no {} of '{}' with a face has a name; leave it out, or choose by faces", name, kind,
+              shape_->path);
+  scene.fail(own,
+             fmt::format("is '{}', which is no {} of '{}'; {}", name, kind, shape_->path, did_you_mean(name, names)));
+}
 
 std::vector<CadSurface> CadFile::surfaces(const scene::LoadedScene& scene, const std::string& field,
                                           const proto::CadFace& cad) const {
@@ -333,6 +375,12 @@ std::vector<CadEdge> CadFile::edges() const {
     e.length = kMetresPerUnit * GCPnts_AbscissaPoint::Length(curve);
     e.tolerance = kMetresPerUnit * BRep_Tool::Tolerance(edge);
     e.middle = kMetresPerUnit * Vec3(middle.X(), middle.Y(), middle.Z());
+    const int stretches = curve.GetType() == GeomAbs_Line ? 1 : kStretches;
+    for (int k = 0; k <= stretches; ++k) {
+      const double share = static_cast<double>(k) / stretches;
+      const gp_Pnt p = curve.Value((1.0 - share) * curve.FirstParameter() + share * curve.LastParameter());
+      e.points.push_back(kMetresPerUnit * Vec3(p.X(), p.Y(), p.Z()));
+    }
     out.push_back(std::move(e));
   }
   return out;

@@ -37,6 +37,13 @@ struct CadEdge {
   double length = 0.0;         // [m]
   double tolerance = 0.0;      // as the file or its reader has it: how far faces may be apart [m]
   Vec3 middle = Vec3::Zero();  // [m]
+  std::vector<Vec3> points{};  // along it, evenly in its parameter, from end to end [m]
+};
+
+/// Faces of a file by the name of a body or of a layer.
+struct NamedCadFaces {
+  std::string name;
+  std::vector<int> faces;
 };
 
 /// A file that has been read.
@@ -53,6 +60,11 @@ class CadFile {
   /// such face, or where no approximation is near enough.
   std::vector<CadSurface> surfaces(const scene::LoadedScene& scene, const std::string& field,
                                    const proto::CadFace& cad) const;
+  /// Bodies and layers that have a name and a face, in the order of their names (cad_names.h).
+  const std::vector<NamedCadFaces>& bodies() const;
+  const std::vector<NamedCadFaces>& layers() const;
+  /// Faces of `cad.body` or of `cad.layer`. Throws Error with the right names where there is none of that name.
+  std::vector<int> chosen(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) const;
   /// All edges, in the file's size; poles are none.
   std::vector<CadEdge> edges() const;
   /// Kind of a face's surface, for example "plane".

@@ -87,7 +87,10 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
     }
     std::vector<int> faces(cad.faces().begin(), cad.faces().end());
     const CadFile& file = files.of(scene, field, cad);
-    if (!cad.has_face()) {
+    const bool named = !cad.body().empty() || !cad.layer().empty();
+    if (named) {
+      faces = file.chosen(scene, field, cad);
+    } else if (!cad.has_face()) {
       const int count = file.faces();
       for (int k = 0; k < cad.faces_size(); ++k)
         scene.check(cad.faces(k) < count, fmt::format("{}.faces[{}]", field, k),
