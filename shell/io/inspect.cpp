@@ -9,6 +9,7 @@
 #include "shell/io/build_shell.h"
 #include "shell/io/cad_parts.h"
 #include "shell/io/element_fit.h"
+#include "shell/io/inspect_frame.h"
 
 namespace sunder::shell {
 namespace {
@@ -106,19 +107,40 @@ Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& fil
   return out;
 }
 
+Json named_of(const std::vector<NamedCadFaces>& list) {
+  Json out = Json::array();
+  for (const NamedCadFaces& n : list) out.push_back({{"name", n.name}, {"faces", n.faces}});
+  return out;
+}
+
+Json points_json(const std::vector<Vec3>& points) {
+  Json out = Json::array();
+  for (const Vec3& p : points) out.push_back({p.x(), p.y(), p.z()});
+  return out;
+}
+
 Json edges_of(const CadFile& file) {
   int free = 0, shared = 0, several = 0;
   double widest = 0.0;
+  Json all = Json::array();
   for (const CadEdge& e : file.edges()) {
     free += e.faces.size() == 1, shared += e.faces.size() == 2, several += e.faces.size() > 2;
     widest = std::max(widest, e.tolerance);
+    all.push_back({{"faces", e.faces},
+                   {"length_m", e.length},
+                   {"tolerance_m", e.tolerance},
+                   {"points_m", points_json(e.points)}});
   }
-  return {{"shared", shared}, {"free", free}, {"of_three_faces_or_more", several}, {"widest_tolerance_m", widest}};
+  return {{"shared", shared},
+          {"free", free},
+          {"of_three_faces_or_more", several},
+          {"widest_tolerance_m", widest},
+          {"list", all}};
 }
 
 }  // namespace
 
-std::string inspect_report(const std::string& file, double element, double unit) {
+std::string inspect_report(const std::string& file, double element, double unit, const std::string& frame) {
   const scene::LoadedScene first = scene_of(file, 1.0, unit);
   CadFiles files;
   const CadFile& cad = read(first, files, file);
@@ -151,14 +173,17 @@ std::string inspect_report(const std::string& file, double element, double unit)
               {"thickness_m", scene.message.shells(0).thickness_m()},
               {"faces", faces},
               {"taken", taken},
+              {"bodies", named_of(cad.bodies())},
+              {"layers", named_of(cad.layers())},
               {"edges", edges_of(cad)}};
   out["seams"] = nullptr, out["seams_refused"] = nullptr;
   if (!taken.empty()) try {
       const std::vector<ScenePart> parts = scene_parts(scene, files);
       for (const ScenePart& part : parts)
         out["faces"][part.message.cad().face()]["shells"].push_back(part.message.name());
-      if (parts.size() > 1) {
+      if (parts.size() > 1 || !frame.empty()) {
         const RunSetup setup = build(scene);
+        if (!frame.empty()) write_frame_of(setup, frame);
         int smooth = 0, along_trims = 0;
         for (const Seam& s : setup.stitches.seams) smooth += s.smooth, along_trims += s.trimmed();
         out["seams"] = {{"joined", setup.stitches.seams.size()}, {"smooth", smooth}, {"along_trims", along_trims}};

@@ -8,6 +8,7 @@
 
 #include "shell/io/build.h"
 #include "shell/io/element_fit.h"
+#include "shell/io/inspect_frame.h"
 #include "shell/io/mesh_parts.h"
 
 namespace sunder::shell {
@@ -15,8 +16,9 @@ namespace {
 
 using MeshJson = nlohmann::ordered_json;
 
-constexpr double kMeshElements = 40.0;  // along the diagonal of a file, by default
-constexpr double kMeshThickness = 0.2;  // of an element: any thickness does
+constexpr double kMeshElements = 40.0;       // along the diagonal of a file, by default
+constexpr double kMeshThickness = 0.2;       // of an element: any thickness does
+constexpr std::size_t kMostBorders = 20000;  // edges of borders that are listed
 
 scene::LoadedScene mesh_scene(const std::string& file, const MeshQuestion& asked) {
   scene::LoadedScene scene;
@@ -49,6 +51,18 @@ MeshJson named_json(const std::vector<NamedFaces>& list) {
   return out;
 }
 
+// Edges on borders, those of large meshes up to kMostBorders.
+MeshJson borders_of(const TriangleMesh& mesh) {
+  MeshJson out = MeshJson::array();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.beside[t][k] >= 0 || out.size() >= kMostBorders) continue;
+      const Vec3 &a = mesh.points[mesh.triangles[t][k]], &b = mesh.points[mesh.triangles[t][(k + 1) % 3]];
+      out.push_back({{a.x(), a.y(), a.z()}, {b.x(), b.y(), b.z()}});
+    }
+  return out;
+}
+
 MeshJson chart_of(const ShellModel& m, const MeshPatch& p, double element) {
   const auto holes = std::count_if(p.loops.begin(), p.loops.end(), [](const PatchLoop& l) { return l.hole; });
   double area = 0.0;
@@ -77,7 +91,7 @@ bool is_mesh_file(const std::string& file) {
   return end == ".obj" || end == ".off" || end == ".ply" || end == ".stl" || end == ".glb" || end == ".gltf";
 }
 
-std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {
+std::string inspect_mesh_report(const std::string& file, MeshQuestion asked, const std::string& frame) {
   const scene::LoadedScene first = mesh_scene(file, asked);
   ShellMesh read;
   try {
@@ -114,6 +128,7 @@ std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {
                   {"triangles_dropped", mesh.dropped},
                   {"components", mesh.components},
                   {"edges", {{"all", edges.all}, {"on_borders", edges.border}, {"borders", edges.loops}}},
+                  {"borders_m", borders_of(mesh)},
                   {"area_m2", area},
                   {"groups", named_json(read.groups)},
                   {"usemtl", named_json(read.usemtl)},
@@ -125,6 +140,7 @@ std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {
     CadFiles files;
     const MeshShells& shells = files.mesh(scene, "shells[0].mesh", scene.message.shells(0));
     const RunSetup setup = build(scene);
+    if (!frame.empty()) write_frame_of(setup, frame);
     for (std::size_t k = 0; k < setup.shells.size(); ++k)
       out["charts"].push_back(chart_of(setup.shells[k].model, shells.charts.patches[k], asked.element));
     int smooth = 0;

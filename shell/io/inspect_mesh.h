@@ -17,6 +17,6 @@ struct MeshQuestion {
 
 /// As JSON: counts, borders, size, area, and charts with size, stretch, error and stable step. What a scene would be
 /// refused for is its member "refused". Throws Error where the file cannot be read.
-std::string inspect_mesh_report(const std::string& file, MeshQuestion asked);
+std::string inspect_mesh_report(const std::string& file, MeshQuestion asked, const std::string& frame = "");
 
 }  // namespace sunder::shell

@@ -4,15 +4,18 @@ from __future__ import annotations
 import argparse
 import json
 import subprocess
+import tempfile
 from pathlib import Path
 from typing import Any
 
 from ..errors import BAD_INPUT, DONE, PEER_LOST, CommandError, how_it_ended
 from ..launch.build import ensure_built
+from ..report.gaps import Gap, gap_of_borders, gaps_of_edges
 from ..words import command_line
 from .parser import Subparsers, add_command, number_within
 
 NAME = "inspect"
+MOST_GAPS = 20  # that are listed
 MESHES = (".obj", ".off", ".ply", ".stl", ".glb", ".gltf")
 SCENE = """\
 # {which} of {path} as {shells}. The part falls on a floor.
@@ -35,8 +38,9 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = add_command(
         subparsers, NAME, "say what a STEP, IGES or mesh file holds",
         "Lists the faces of a file with kind, size, stable step, trims and the names of their shells, says which would\n"
-        "be refused as shells, or be too slow, and why, and counts the edges that they share. Builds the programs with\n"
-        "OpenCASCADE where they are without. Of a mesh it tells counts, borders, size and the charts that become shells.",
+        "be refused as shells, or be too slow, and why, counts the edges that they share, and finds gaps. Names bodies and\n"
+        "layers. Builds the programs with OpenCASCADE where they are without. Of a mesh it tells counts, borders, gaps, size\n"
+        "and the charts that become shells.",
         "sunder inspect part.step --element 0.002 --scene part.textproto")
     parser.add_argument("file", metavar="FILE", type=Path, help="a .step, .stp, .igs or .iges file,\nor a mesh: .obj, .off, .ply, .stl, .glb or .gltf")
     parser.add_argument("--element", metavar="M", type=_length,
@@ -45,6 +49,8 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--weld", metavar="M", type=_length,
                         help="points of a mesh no further apart become one (default: only equal ones)")
     parser.add_argument("--json", action="store_true", help="print all as JSON")
+    parser.add_argument("--picture", metavar="PNG", type=Path,
+                        help="draw the shells with the edges that they share, free ones\nand gaps")
     parser.add_argument("--scene", metavar="SCENE", type=Path, help="write a scene of all faces that can be taken, and check it")
 
 
@@ -57,13 +63,23 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("element", "unit", "weld"):
         if getattr(arguments, name) is not None:
             command += [f"--{name}", repr(getattr(arguments, name))]
-    ended = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
-    if ended.returncode < 0:
-        raise CommandError(f"sunder-shell {how_it_ended(ended.returncode)} while it read {arguments.file}", PEER_LOST)
-    if ended.returncode != DONE:
-        return ended.returncode
-    told = json.loads(ended.stdout)
-    print(ended.stdout if arguments.json else report(told), end="")
+    if arguments.picture is not None and (arguments.picture.suffix.lower() != ".png" or not arguments.picture.resolve().parent.is_dir()):
+        raise CommandError(f"--picture {arguments.picture}: name a .png file in a folder that exists", BAD_INPUT)
+    with tempfile.TemporaryDirectory() as folder:
+        if arguments.picture is not None:
+            command += ["--frame", folder]
+        ended = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+        if ended.returncode < 0:
+            raise CommandError(f"sunder-shell {how_it_ended(ended.returncode)} while it read {arguments.file}", PEER_LOST)
+        if ended.returncode != DONE:
+            return ended.returncode
+        told = json.loads(ended.stdout)
+        print(ended.stdout if arguments.json else report(told), end="")
+        if arguments.picture is not None:
+            from ..pictures.inspected import draw_inspected
+            draw_inspected(Path(folder), told, gaps_in(told) or [], arguments.picture)
+            if not arguments.json:
+                print(arguments.picture)
     if arguments.scene is not None:
         write_scene(arguments.scene, arguments.file, told)
         cost = checked(program, arguments.scene)
@@ -93,9 +109,13 @@ def report(told: dict[str, Any]) -> str:
     for face in faces:
         if face["refused"] is None and face["warning"] is not None:
             lines.append(f"face {face['face']} {'is unfit' if face['unfit'] else 'is slow'}: {face['warning']}")
+    for kind in ("bodies", "layers"):
+        if told[kind]:
+            lines.append(f"{kind}: " + ", ".join(f"'{own['name']}' ({_count(len(own['faces']), 'face')})" for own in told[kind]))
     edges = told["edges"]
     lines.append(f"edges: {edges['shared']} shared, {edges['free']} free, {edges['of_three_faces_or_more']} of three "
                  f"faces or more; the widest tolerance is {edges['widest_tolerance_m']:.2g} m")
+    lines += gap_lines(told)
     if told["seams"] is not None:
         seams = told["seams"]
         lines.append(f"seams: {seams['joined']} joined, {seams['smooth']} of them smooth, "
@@ -121,6 +141,7 @@ def mesh_report(told: dict[str, Any]) -> str:
             lines.append(f"{kind}: " + ", ".join(f"{own['name']} ({_count(own['triangles'], 'triangle')})" for own in told[kind]))
     if told["coloured"]:
         lines.append("points have colours, which strength_paint and thickness_paint may use")
+    lines += gap_lines(told)
     if told["refused"] is not None:
         return "\n".join([*lines, f"refused: {told['refused']}"]) + "\n"
     lines.append(f"{'shell':12} {'triangles':>9} {'size [m]':>21} {'area [m^2]':>11} {'elements':>11} {'stretch':>8} "
@@ -136,6 +157,31 @@ def mesh_report(told: dict[str, Any]) -> str:
     if told["seams"]["joined"]:
         lines.append(f"seams: {told['seams']['joined']} joined, {told['seams']['smooth']} of them smooth")
     return "\n".join(lines) + "\n"
+
+
+def gaps_in(told: dict[str, Any]) -> list[Gap] | None:
+    """Finds where borders nearly meet; of a mesh the widest place only. None where there are too many borders."""
+    if "charts" not in told:
+        return gaps_of_edges(told["edges"]["list"], 0.5 * float(told["element_m"]))
+    found = gap_of_borders(told["borders_m"])
+    return None if found is None else [found[1]] if found[1] is not None else []
+
+
+def gap_lines(told: dict[str, Any]) -> list[str]:
+    """What a report says of gaps: a line for each pair of faces, or one for a mesh."""
+    gaps = gaps_in(told)
+    if gaps is None:
+        return ["gaps: not looked for, as there are too many free edges"]
+    place = [", ".join(f"{x:.4g}" for x in gap.at_m) for gap in gaps]
+    if "charts" not in told:
+        lines = [f"gap: faces {gap.faces[0]} and {gap.faces[1]} nearly meet, up to {gap.width_m:.3g} m apart at ({at}) m; "
+                 f"seams {{ tolerance_m: {1.1 * gap.width_m:.2g} }} joins them" for gap, at in zip(gaps[:MOST_GAPS], place)]
+        return lines + ([f"gap: {len(gaps) - MOST_GAPS} more"] if len(gaps) > MOST_GAPS else [])
+    if not gaps:
+        return []
+    count = (gap_of_borders(told["borders_m"]) or (0, None))[0]
+    return [f"gap: beside {_count(count, 'point')} of a border runs another border, up to {gaps[0].width_m:.3g} m off at "
+            f"({place[0]}) m; --weld {1.1 * gaps[0].width_m:.2g} joins points that are so near"]
 
 
 def write_scene(scene: Path, file: Path, told: dict[str, Any]) -> None:

@@ -1,0 +1,70 @@
+"""Gaps between borders that `sunder inspect` lists, and its picture of them."""
+from __future__ import annotations
+
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from sunder_tools.command.inspect import gap_lines
+from sunder_tools.pictures.inspected import GAP, draw_inspected
+from sunder_tools.report.gaps import gap_of_borders, gaps_of_edges
+
+
+def edge(faces: list[int], points: list[list[float]]) -> dict[str, Any]:
+    """An edge as sunder-shell lists it."""
+    line = np.array(points)
+    return {"faces": faces, "points_m": points, "tolerance_m": 0.0,
+            "length_m": float(np.linalg.norm(line[1:] - line[:-1], axis=1).sum())}
+
+
+class Gaps(unittest.TestCase):
+    """Edges that run beside one another, and those that do not."""
+
+    def test_free_edges_that_run_beside_one_another_are_a_gap_of_their_largest_distance(self) -> None:
+        edges = [edge([0], [[0, 0, 0], [1, 0, 0]]), edge([1], [[0, 0.002, 0], [0.5, 0.003, 0], [1, 0.001, 0]]),
+                 edge([2], [[0, 0.2, 0], [1, 0.2, 0]]), edge([0, 3], [[0, 0.001, 0], [1, 0.001, 0]]),
+                 edge([4], [[0, 0, 0], [0, 0.001, 0]])]
+        found = gaps_of_edges(edges, 0.01)
+        assert found is not None
+        self.assertEqual([gap.faces for gap in found], [(0, 1)])
+        self.assertAlmostEqual(found[0].width_m, 0.003)
+        self.assertAlmostEqual(found[0].at_m[0], 0.5)
+        self.assertEqual(gaps_of_edges(edges, 0.0005), [])
+        self.assertIsNone(gaps_of_edges(edges[:1] * 2001, 0.01))
+
+    def test_a_longer_edge_beside_a_shorter_one_is_a_gap_too(self) -> None:
+        edges = [edge([0], [[0, 0, 0], [3, 0, 0]]), edge([1], [[1, 0.01, 0], [2, 0.01, 0]])]
+        found = gaps_of_edges(edges, 0.1)
+        assert found is not None
+        self.assertAlmostEqual(found[0].width_m, 0.01)
+
+    def test_two_borders_of_a_mesh_are_a_gap_and_one_is_none(self) -> None:
+        row = [[[k / 10, y, 0.0], [(k + 1) / 10, y, 0.0]] for y in (0.0,) for k in range(10)]
+        beside = [[[k / 10, 0.004, 0.0], [(k + 1) / 10, 0.004, 0.0]] for k in range(10)]
+        self.assertEqual(gap_of_borders(row), (0, None))
+        found = gap_of_borders(row + beside)
+        assert found is not None and found[1] is not None
+        self.assertEqual(found[0], 22)
+        self.assertAlmostEqual(found[1].width_m, 0.004)
+        self.assertEqual(gap_of_borders([]), (0, None))
+
+    def test_the_report_says_what_joins_them(self) -> None:
+        told = {"element_m": 0.02, "faces": [{"face": 0, "refused": None}, {"face": 1, "refused": None}],
+                "edges": {"list": [edge([0], [[0, 0, 0], [1, 0, 0]]), edge([1], [[0, 0.002, 0], [1, 0.002, 0]])]}}
+        self.assertIn("faces 0 and 1 nearly meet, up to 0.002 m apart", gap_lines(told)[0])
+        self.assertIn("tolerance_m: 0.0022", gap_lines(told)[0])
+        with tempfile.TemporaryDirectory() as folder:
+            target = Path(folder) / "a.png"
+            found = gaps_of_edges(told["edges"]["list"], 0.01)
+            assert found is not None
+            draw_inspected(Path(folder), told, found, target)
+            shown = np.asarray(Image.open(target).convert("RGB")).reshape(-1, 3).astype(int)
+        self.assertTrue((np.abs(shown - np.array(GAP)).max(axis=1) < 8).any())
+
+
+if __name__ == "__main__":
+    unittest.main()
