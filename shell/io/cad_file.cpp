@@ -1,4 +1,4 @@
-// With cad_face, the only files that use OpenCASCADE.
+// With cad_face and cad_names, the only files that use OpenCASCADE.
 #include "shell/io/cad_file.h"
 
 #ifndef SUNDER_CAD

@@ -100,7 +100,8 @@ class House(unittest.TestCase):
                                                             "coupler/scene/closed_surface.cpp",
                                                             "coupler/core/convex_surface.cpp"},
                  r"Spectra/": {"shell/solver/statics/modes.cpp"},
-                 r".*\.hxx$": {"shell/io/cad_file.cpp", "shell/io/cad_face.cpp", "shell/io/cad_face.h"}}  # OpenCASCADE
+                 r".*\.hxx$": {"shell/io/cad_file.cpp", "shell/io/cad_face.cpp", "shell/io/cad_face.h",
+                               "shell/io/cad_names.cpp", "shell/io/cad_names.h"}}  # OpenCASCADE
         for path in SOURCES:
             for pattern, allowed in homes.items():
                 if any(re.match(pattern, name) for name in includes(path)):

@@ -21,7 +21,7 @@ UNTIL = {
     "impactor": "0.002", "impactor_small": "0.02", "intact_pane": "0.004", "kalthoff": "5e-5", "mirror": "1e-5", "mode_one": "6e-4",
     "mode_two": "6e-4", "over_stretch": "0.5", "pressed_plate": "3e-3", "roof": "0.2", "round_pane": "5.2e-5",
     "round_window": "6e-5", "soft_ball": "0.04", "struck_glass": "6e-5", "torn_sheet": "0.05", "torn_square": "0.5",
-    "zener": "4e-5", "bowl": "1e-3", "lamp": "1e-3", "rabbit": "1e-3", "trousers": "0.02",
+    "zener": "4e-5", "bowl": "1e-3", "lamp": "1e-3", "rabbit": "1e-3", "trousers": "0.02", "vase": "1e-3",
     "paper/fig01": "2e-4", "paper/fig13": "0.1", "paper/fig14": "0.001", "paper/fig15": "0.002", "paper/fig16": "0.002",
     "paper/fig17": "3e-4",
 }

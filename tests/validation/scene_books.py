@@ -48,6 +48,7 @@ SHIPPED = (
     Shortened("soft_ball", 0.06, True, False),
     Shortened("struck_glass", 6e-5, True, True),
     Shortened("torn_sheet", 5e-3, False, True),
+    Shortened("vase", 3e-4, True, True),
     Shortened("zener", 1.6e-5, True, False),
 )
 
