@@ -69,7 +69,8 @@ TOLD: dict[str, Any] = {
          "holes": 0, "elements": [20, 4], "area_of_shells_m2": 8e-5, "shortest_element_m": 2e-5, "refused": None,
          "stable_step_s": 2e-9, "unfit": False, "warning": "an element is 2e-05 m long", "shells": ["part.4"]},
         {"face": 2, "kind": "cylinder", "refused": "face 2 closes on itself along u; split it in the CAD program"}],
-    "edges": {"shared": 5, "free": 1, "of_three_faces_or_more": 0, "widest_tolerance_m": 1e-10},
+    "bodies": [{"name": "lid", "faces": [0, 1]}], "layers": [],
+    "edges": {"shared": 5, "free": 1, "of_three_faces_or_more": 0, "widest_tolerance_m": 1e-10, "list": []},
     "seams": {"joined": 1, "smooth": 0, "along_trims": 1}, "seams_refused": None}
 
 
@@ -94,6 +95,7 @@ class Inspect(unittest.TestCase):
 
     def test_the_table_has_each_face_with_its_trims_or_its_refusal(self) -> None:
         text = report(TOLD)
+        self.assertIn("bodies: 'lid' (2 faces)", text)
         self.assertIn("part.step: 3 faces, 0.03 x 0.02 x 0.004 m, unit millimetre, elements of 0.001 m", text)
         lines = text.splitlines()
         self.assertRegex(lines[2], r"^ +0  plane .* 30 x 20 +1.9e-07  part.1 to part.3 +1 hole, in 3 parts, approximated to 2e-08 m$")
