@@ -101,6 +101,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
   books_.frozen_kinetic = 0.0, books_.frozen_length = books_.crack_length(simulation_),
   books_.frozen_surface = books_.crack_surface(simulation_);
   const std::vector<PartPieces> now = pieces_now(true, everywhere());
+  std::set<BodyId> frozen_ids;
   for (std::size_t k = 0; k < state_.shells.size(); ++k) {
     const ShellModel& m = state_.shells[k].model();
     ShellState& s = *state_.shells[k].state;
@@ -116,7 +117,9 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
         for (const int i : p.control_points)
           if (p.held && !p.handed_off) points.emplace_back(k, i);
       frozen.drawn.shell.assign(frozen.drawn.triangles.size(), static_cast<int>(k));
-      frames_.draw_as(remains.id, ids_.take(points), frozen.drawn);
+      const BodyId id = ids_.take(points, frozen_ids);  // shells that seams join are one piece
+      frozen_ids.insert(id);
+      frames_.draw_as(remains.id, id, frozen.drawn);
       state_.bodies.emplace_back(remains);
     }
     counts_.rubble_points += s.rubble();

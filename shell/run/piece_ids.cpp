@@ -47,12 +47,12 @@ void PieceIds::look(const std::vector<std::vector<int>>& piece) {
     }
 }
 
-BodyId PieceIds::take(const std::vector<std::pair<std::size_t, int>>& points) {
+BodyId PieceIds::take(const std::vector<std::pair<std::size_t, int>>& points, const std::set<BodyId>& shared) {
   std::map<BodyId, double> shares;
   for (const auto& [k, i] : points) shares[ids_[k][i]] += mass_[k][i];
   BodyId most = 0;
   for (const auto& [id, mass] : shares)
-    if (id != 0 && taken_.count(id) == 0 && (most == 0 || mass > shares.at(most))) most = id;
+    if (id != 0 && (taken_.count(id) == 0 || shared.count(id) != 0) && (most == 0 || mass > shares.at(most))) most = id;
   if (most == 0) most = next_++;
   taken_.insert(most);
   return most;

@@ -25,8 +25,8 @@ class PieceIds {
   /// point of each shell, over all shells; negative for a point that keeps its id: it is of no piece or was handed off.
   void look(const std::vector<std::vector<int>>& piece);
   /// Returns the id of a new body made of these control points (shell, point). It is that with the largest mass among
-  /// them which no body has taken, or a new id.
-  BodyId take(const std::vector<std::pair<std::size_t, int>>& points);
+  /// them which no body has taken, or a new id. `shared` are ids that several bodies may have: they are of one piece.
+  BodyId take(const std::vector<std::pair<std::size_t, int>>& points, const std::set<BodyId>& shared = {});
   /// Returns the id of the piece of each control point of each shell; 0 before the first look.
   const std::vector<std::vector<BodyId>>& of_points() const { return ids_; }
 

@@ -24,7 +24,7 @@ from .test_view import InAFolder
 
 SCENE = """materials { name: "plastic" density: 500 strength: 1 } materials { name: "window_glass" density: 300 strength: 1 }
     shells { name: "bumper" material: "plastic" thickness_m: 0.02 }
-    shells { name: "window" material: "window_glass" thickness_m: 0.02 }"""
+    shells { name: "window" material: "window_glass" thickness_m: 0.1 }"""
 PIECE, THICK = 7, 0.02
 
 
@@ -41,7 +41,8 @@ class Frozen(InAFolder):
                   point_data={"displacement": np.zeros((8, 3)), "uv": np.zeros((8, 2))},
                   cell_data={"fragment": np.full(4, PIECE), "damage": np.zeros(4), "shell": np.array([0, 0, 1, 1])})
         up = np.array([0, 0, 0.5 * THICK])
-        rest = np.concatenate([np.stack([part - up, part + up], axis=1).reshape(-1, 3) for part in (left, right)])
+        rest = np.concatenate([np.stack([part - way, part + way], axis=1).reshape(-1, 3)
+                               for part, way in ((left, up), (right, 5.0 * up))])
         solid = np.concatenate([2 * square + 1, 2 * square[:, ::-1], *(
             [[2 * a, 2 * b, 2 * b + 1], [2 * a, 2 * b + 1, 2 * a + 1]] for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)))])
         box = np.array([[0, 0, 3], [1, 0, 3], [0, 1, 3], [0, 0, 4.0]])

@@ -8,7 +8,7 @@ import numpy as np
 from .frames import BODIES, FROZEN, SHARD, SHELL, Frame
 from .motion import body_velocity, by_body, parameters, reference_points, shell_velocity
 from .soft import with_soft
-from .thick import OTHER, normal_rates, sheet_points, sheet_topology, sides_of_sheet_body
+from .thick import OTHER, normal_rates, sheet_points, sheet_topology, sides_of_piece
 from .vtp import PolyData
 
 
@@ -123,10 +123,10 @@ def _sides(bodies: PolyData | None, count: int) -> np.ndarray:
         return side
     body = bodies.of_triangles("body", 0).astype(np.int64)
     broken = np.isin(bodies.of_triangles("kind", 0), (SHARD, FROZEN))
-    number = np.zeros(len(bodies.points), np.int64)
+    number, origin = np.zeros(len(bodies.points), np.int64), origin_of_triangles(bodies)
     for one, mine in by_body(bodies).items():
         which = np.flatnonzero((body == one) & broken)
         if len(which):
             number[mine] = np.arange(len(mine))
-            side[which] = sides_of_sheet_body(bodies.points[mine], number[bodies.triangles[which]])
+            side[which] = sides_of_piece(bodies.points[mine], number[bodies.triangles[which]], origin[which])
     return side

@@ -21,7 +21,7 @@ from .meshes import weld
 from .motion import by_body, parameters, reference_points
 from .rigid import centre_of_mass, fit, quaternion, turn_of
 from .soft import RUBBER, balls
-from .thick import EDGE, INSIDE, OTHER, OUTSIDE, corner_normals, sides_of_sheet_body, vertex_normals
+from .thick import EDGE, INSIDE, OTHER, OUTSIDE, corner_normals, sides_of_piece, vertex_normals
 from .vtp import PolyData
 
 MOST_STEPS = 60  # positions of one shape: weights of morph targets grow with the square; point caches have no such limit
@@ -260,7 +260,7 @@ class Story:
         base = turn_of(thing.turn[-1]) if thing.turn else np.eye(3)
         self._rigid[key] = _Rigid(points, triangles, centre, points.mean(axis=0), base)
         thing.place(k, centre, base)
-        side = sides_of_sheet_body(points, triangles) if body.broken else np.full(len(triangles), OTHER)
+        side = sides_of_piece(points, triangles, body.origin) if body.broken else np.full(len(triangles), OTHER)
         part = body.origin
         if body.broken:
             guess = self._part_of.get(key[1], self._words.shells.index(thing.group) if thing.group in self._words.shells else -1)

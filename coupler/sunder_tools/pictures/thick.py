@@ -77,6 +77,17 @@ def sides_of_sheet_body(points: np.ndarray, triangles: np.ndarray) -> np.ndarray
     return np.where(odd == 3, OUTSIDE, np.where(odd == 0, INSIDE, EDGE))
 
 
+def sides_of_piece(points: np.ndarray, triangles: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Returns the same for a body of several shells, `origin` (m,) that of each triangle: each has its own thickness, and its points
+    stand together."""
+    side = np.full(len(triangles), OTHER)
+    for one in np.unique(origin):
+        mine = triangles[origin == one]
+        low, high = mine.min() // 2 * 2, mine.max() + 1
+        side[origin == one] = sides_of_sheet_body(points[low:high + high % 2], mine - low)
+    return side
+
+
 def corner_normals(points: np.ndarray, triangles: np.ndarray, place: np.ndarray) -> np.ndarray:
     """Returns a unit normal for each corner of each triangle (m, 3, 3): smooth over faces that turn by less than
     CREASE_COSINE says, sharp over others. Points with an equal `place` (n,) are one point."""

@@ -62,6 +62,7 @@ TEST(PieceIds, ABodyTakesTheIdOfItsPieceAndKeepsIt) {
   EXPECT_EQ(ids.take({}), 14u);                        // a splinter without control points
   EXPECT_EQ(ids.take({{0, 1}, {0, 2}, {0, 3}}), 11u);  // what an interlayer held together: its heaviest piece
   EXPECT_EQ(ids.take({{0, 4}}), 15u);                  // whose id a body has
+  EXPECT_EQ(ids.take({{0, 2}}, {11u}), 11u);           // another shell of that piece
 }
 
 TEST(PieceIds, GoesOnFromACheckpoint) {
