@@ -237,8 +237,8 @@ struct FaceForces {
 };
 
 // Adds the forces of the springs of one point of contact, times `times`.
-void push(const ShellModel& m, const ShellState& s, const Interlock& lock, const Gap& gap, int face,
-          const Springs& springs, double times, FaceForces& to) {
+void push(const ShellState& s, const Interlock& lock, const Gap& gap, int face, const Springs& springs, double times,
+          FaceForces& to) {
   const Vec3& e = springs.bear;
   if (e.isZero(0.0)) return;
   to.none = false;
@@ -333,7 +333,7 @@ Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   const auto bear = [&](const Gap& gap, double times) {
     FaceForces on;
     for (int face = 0; face < 2; ++face)
-      push(m, s, lock, gap, face, springs_at(m, gap_at(gap, face), lock.points[face]), times, on);
+      push(s, lock, gap, face, springs_at(m, gap_at(gap, face), lock.points[face]), times, on);
     spread(lock, on, [&](int slot, const Vec3& force) { r.force_change.push_back({slot, force}); });
   };
   const Gap before = gap_of(m, s, lock);
@@ -389,7 +389,7 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
       }
       const Springs springs = springs_at(m, at, point);
       held += springs.hold;
-      push(m, s, lock, gap, face, springs, 1.0, on);
+      push(s, lock, gap, face, springs, 1.0, on);
     }
     spread(lock, on, stride, force);
     lock.opening = opening;
@@ -424,7 +424,7 @@ void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& 
     const std::size_t stride = force.size() / 3;
     FaceForces on;
     for (int face = 0; face < 2; ++face)
-      push(m, s, lock, gap, face, springs_at(m, gap_at(gap, face), lock.points[face]), 1.0, on);
+      push(s, lock, gap, face, springs_at(m, gap_at(gap, face), lock.points[face]), 1.0, on);
     spread(lock, on, [&](int slot, const Vec3& by_face) {
       for (int d = 0; d < 3; ++d) force[d * stride + slot] += by_face[d];
     });
