@@ -6,27 +6,24 @@
 #include <limits>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace sunder::shell {
 namespace {
 
 constexpr int kUnitBits = 30;  // of the largest function: leaves a bit for the sign and one for the sum of zero
 
-// Unit of derivative k, a power of two; 1 where all functions are zero.
-double unit_of(const std::vector<GatheredFunction>& functions, int k) {
-  double most = 0.0;
-  for (const GatheredFunction& f : functions) most = std::max(most, std::abs(f.n[k + 1]));
-  int exponent = kUnitBits;
-  if (most > 0.0) std::frexp(most, &exponent);
-  return std::ldexp(1.0, exponent - kUnitBits);
-}
-
-bool are_multiples(const std::vector<GatheredFunction>& functions, int k, double unit) {
-  const double inverse = 1.0 / unit;  // exact, of a power of two
-  return std::all_of(functions.begin(), functions.end(), [&](const GatheredFunction& f) {
-    const double units = f.n[k + 1] * inverse;
-    return std::abs(units) <= std::numeric_limits<std::int32_t>::max() && units == std::nearbyint(units);
-  });
+// Units of the derivatives, powers of two; 1 where all functions are zero.
+std::array<double, kDerivatives> units_of(const std::vector<GatheredFunction>& functions) {
+  std::array<double, kDerivatives> unit{};
+  for (const GatheredFunction& f : functions)
+    for (int k = 0; k < kDerivatives; ++k) unit[k] = std::max(unit[k], std::abs(f.n[k + 1]));
+  for (double& most : unit) {
+    int exponent = kUnitBits;
+    if (most > 0.0) std::frexp(most, &exponent);
+    most = std::ldexp(1.0, exponent - kUnitBits);
+  }
+  return unit;
 }
 
 // Points that exert a force here.
@@ -35,8 +32,9 @@ bool is_summed(const GatheredPoint& p) { return !p.in_rows && p.kind != PointKin
 }  // namespace
 
 void round_to_units(std::vector<GatheredFunction>& functions) {
+  const std::array<double, kDerivatives> units = units_of(functions);
   for (int k = 0; k < kDerivatives; ++k) {
-    const double unit = unit_of(functions, k);
+    const double unit = units[k];
     double sum = 0.0;
     std::size_t largest = 0;
     for (std::size_t i = 0; i < functions.size(); ++i) {
@@ -158,13 +156,14 @@ std::vector<Quad> quads_of(const std::vector<GatheredPoint>& points, const std::
 }  // namespace
 
 void PointPacks::renew(Run& run, const RowTables& t, const std::vector<GatheredPoint>& points, std::size_t begin) {
+  // by elements, whatever the order in which cracks touched them
+  std::vector<std::pair<std::tuple<int, int, int>, std::size_t>> places;
+  for (std::size_t i = begin; i < begin + kPointRun; ++i)
+    if (run.stamp[i - begin] != 0)
+      places.push_back({{points[i].block / (t.gauss * t.gauss), points[i].lane, points[i].block}, i});
+  std::sort(places.begin(), places.end());
   std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < kPointRun; ++i)
-    if (run.stamp[i] != 0) order.push_back(begin + i);
-  const auto place = [&](std::size_t i) {
-    return std::tuple(points[i].block / (t.gauss * t.gauss), points[i].lane, points[i].block);
-  };
-  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return place(a) < place(b); });
+  for (const auto& [place, i] : places) order.push_back(i);
   const std::vector<Quad> quads = quads_of(points, order);
   run.packs.resize((quads.size() + kQuads - 1) / kQuads);
   for (std::size_t k = 0; k < run.packs.size(); ++k) {
@@ -185,57 +184,59 @@ void PointPacks::renew(Run& run, const RowTables& t, const std::vector<GatheredP
 }
 
 void PointPacks::build(PointPack& pack, const std::vector<GatheredPoint>& points) {
-  bool narrow = true;
   for (int i = 0; i < kLanes; ++i) {
     const GatheredPoint& p = points[pack.index[i]];
     pack.block[i] = p.block, pack.lane[i] = p.lane, pack.area[i] = p.area;
     pack.linear[i] = p.kind == PointKind::kLinear ? -1 : 0;
     pack.ref.a.c11[i] = p.metric.a.c11, pack.ref.a.c22[i] = p.metric.a.c22, pack.ref.a.c12[i] = p.metric.a.c12;
     pack.ref.b.c11[i] = p.metric.b.c11, pack.ref.b.c22[i] = p.metric.b.c22, pack.ref.b.c12[i] = p.metric.b.c12;
-    for (int k = 0; k < kDerivatives; ++k) {
-      const double unit = unit_of(p.functions, k);
-      pack.unit[k][i] = unit;
-      narrow = narrow && are_multiples(p.functions, k, unit);
-    }
+    const std::array<double, kDerivatives> unit = units_of(p.functions);
+    for (int k = 0; k < kDerivatives; ++k) pack.unit[k][i] = unit[k];
   }
-  if (!narrow)
-    for (Pack& unit : pack.unit) unit = splat<Pack>(1.0);
-  pack.slots.clear(), pack.wide.clear(), pack.narrow.clear();
-  for (int q = 0; q < kQuads; ++q)
-    narrow ? fill_quad(pack, pack.narrow, q, points) : fill_quad(pack, pack.wide, q, points);
+  pack.wide.clear();
+  if (fill(pack, pack.narrow, points)) return;
+  pack.narrow.clear();
+  for (Pack& unit : pack.unit) unit = splat<Pack>(1.0);
+  fill(pack, pack.wide, points);
 }
 
 template <class Functions>
-void PointPacks::fill_quad(PointPack& pack, std::vector<Functions>& all, int quad,
-                           const std::vector<GatheredPoint>& points) {
-  int low = std::numeric_limits<int>::max(), end = 0;
-  for (int i = quad * kQuad; i < (quad + 1) * kQuad; ++i)
-    for (const GatheredFunction& f : points[pack.index[i]].functions)
-      low = std::min(low, f.slot), end = std::max(end, f.slot + 1);
-  if (pack.slots.empty()) pack.slots.push_back({}), all.push_back({});  // there may be no function at all
-  place_.assign(std::max(end - low, 0), -1);
-  for (int i = quad * kQuad; i < (quad + 1) * kQuad; ++i)
-    for (const GatheredFunction& f : points[pack.index[i]].functions) place_[f.slot - low] = 0;
-  std::size_t count = 0;
-  for (int s = low; s < end; ++s) {
-    if (place_[s - low] < 0) continue;
-    place_[s - low] = static_cast<int>(count++);
-    if (pack.slots.size() < count) {  // the quads before have ended
-      pack.slots.push_back(pack.slots.back()), all.push_back({});
+bool PointPacks::fill(PointPack& pack, std::vector<Functions>& all, const std::vector<GatheredPoint>& points) {
+  pack.slots.clear(), all.clear();
+  bool exact = true;
+  for (int quad = 0; quad < kQuads && exact; ++quad) {
+    const int first = quad * kQuad;
+    int low = std::numeric_limits<int>::max(), end = 0;
+    for (int i = first; i < first + kQuad; ++i)
+      for (const GatheredFunction& f : points[pack.index[i]].functions)
+        low = std::min(low, f.slot), end = std::max(end, f.slot + 1);
+    place_.assign(std::max(end - low, 0), -1);
+    for (int i = first; i < first + kQuad; ++i)
+      for (const GatheredFunction& f : points[pack.index[i]].functions) place_[f.slot - low] = 0;
+    std::vector<int> slots;
+    for (int s = low; s < end; ++s)
+      if (place_[s - low] == 0) place_[s - low] = static_cast<int>(slots.size()), slots.push_back(s);
+    if (slots.empty()) slots.push_back(0);  // a point may have no function at all
+    while (pack.slots.size() < slots.size()) {
+      pack.slots.push_back(pack.slots.empty() ? std::array<int, kQuads>{} : pack.slots.back());
+      all.push_back({});
     }
-    pack.slots[count - 1][quad] = s;
+    for (std::size_t k = 0; k < pack.slots.size(); ++k) pack.slots[k][quad] = slots[std::min(k, slots.size() - 1)];
+    for (int i = first; i < first + kQuad; ++i) {
+      double inverse[kDerivatives];  // exact, of powers of two
+      for (int k = 0; k < kDerivatives; ++k) inverse[k] = 1.0 / pack.unit[k][i];
+      for (const GatheredFunction& f : points[pack.index[i]].functions)
+        for (int k = 0; k < kDerivatives; ++k) {
+          auto& n = all[place_[f.slot - low]].n[k];
+          using Number = std::remove_reference_t<decltype(n[0])>;
+          const double units = f.n[k + 1] * inverse[k];
+          const auto number = static_cast<Number>(units);
+          n[i] += number;
+          exact = exact && number == units;
+        }
+    }
   }
-  for (std::size_t k = count; k < pack.slots.size(); ++k)
-    pack.slots[k][quad] = count > 0 ? pack.slots[count - 1][quad] : 0;
-  for (int i = quad * kQuad; i < (quad + 1) * kQuad; ++i) {
-    double inverse[kDerivatives];
-    for (int k = 0; k < kDerivatives; ++k) inverse[k] = 1.0 / pack.unit[k][i];
-    for (const GatheredFunction& f : points[pack.index[i]].functions)
-      for (int k = 0; k < kDerivatives; ++k) {
-        auto& n = all[place_[f.slot - low]].n[k];
-        n[i] += static_cast<std::remove_reference_t<decltype(n[0])>>(f.n[k + 1] * inverse[k]);
-      }
-  }
+  return exact;
 }
 
 }  // namespace sunder::shell

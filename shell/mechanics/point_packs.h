@@ -85,8 +85,9 @@ class PointPacks {
   };
   void renew(Run& run, const RowTables& t, const std::vector<GatheredPoint>& points, std::size_t begin);
   void build(PointPack& pack, const std::vector<GatheredPoint>& points);
+  // False where `all` cannot hold the functions exactly.
   template <class Functions>
-  void fill_quad(PointPack& pack, std::vector<Functions>& all, int quad, const std::vector<GatheredPoint>& points);
+  bool fill(PointPack& pack, std::vector<Functions>& all, const std::vector<GatheredPoint>& points);
 
   std::vector<Run> runs_;
   int first_slot_ = 0, end_slot_ = 0;
