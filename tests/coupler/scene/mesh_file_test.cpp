@@ -174,8 +174,9 @@ TEST(MeshFile, StlIsReadAsTextAndAsBinary) {
 }
 
 TEST(MeshFile, OtherFormatsAreRefusedWithThoseThatAreRead) {
-  expect_refused("arch.glb", "glTF", {"ends in '.glb'; files that end in .off, .obj, .ply or .stl are read"});
-  expect_refused("arch", arch::obj(arch::mesh()), {".off, .obj, .ply or .stl"});
+  expect_refused("arch.3ds", "3DS",
+                 {"ends in '.3ds'; files that end in .off, .obj, .ply, .stl, .glb or .gltf are read"});
+  expect_refused("arch", arch::obj(arch::mesh()), {".off, .obj, .ply, .stl, .glb or .gltf"});
 }
 
 TEST(MeshFile, HullOfManyCornersKeepsItsMassAndGivesTheEngineFewer) {

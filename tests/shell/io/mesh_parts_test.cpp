@@ -158,8 +158,9 @@ TEST_F(MeshParts, ComponentsAreShellsOfTheirOwn) {
 TEST_F(MeshParts, FilesThatAreNoSurfaceAreRefusedWithTheirLine) {
   write("a.off", kSquare);
   expect_part(refusal("path: 'a.glb' element_m: 0.2"), "a.glb");
-  write("a.glb", "glTF");
-  expect_part(refusal("path: 'a.glb' element_m: 0.2"), "files that end in .off, .obj, .ply or .stl are read");
+  write("a.3ds", "3DS");
+  expect_part(refusal("path: 'a.3ds' element_m: 0.2"),
+              "files that end in .off, .obj, .ply, .stl, .glb or .gltf are read");
   write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
   expect_part(refusal("path: 'b.obj' element_m: 0.2"), "'b.obj' has points and no faces");
   write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
@@ -339,7 +340,8 @@ TEST_F(MeshParts, PaintThatIsWrongIsRefused) {
   write("a.obj", painted(""));
   expect_part(told("{ channel: RED low_factor: 0.5 }"), "point 1 of 'a.obj', counted from 1, has no colour");
   write("a.obj", lattice_sheet());
-  expect_part(told("{ channel: RED low_factor: 0.5 }"), "points of 'a.obj' have no colours; export a PLY or OBJ file");
+  expect_part(told("{ channel: RED low_factor: 0.5 }"),
+              "points of 'a.obj' have no colours; export a PLY, OBJ or glTF file");
 }
 
 TEST_F(MeshParts, InspectTellsChartsAndWhatIsRefused) {
