@@ -46,7 +46,7 @@ class CadNames : public Cad {
   }
 };
 
-double area_of(const RunSetup& r) {
+double whole_area(const RunSetup& r) {
   double sum = 0.0;
   for (const ShellSetup& s : r.shells)
     for (const double part : s.model.mass) sum += part / s.model.material.density / s.model.thickness;
@@ -58,9 +58,9 @@ TEST_F(CadNames, ABodyOrALayerOfAStepFileGivesItsFaces) {
   const std::string more = "element_m: 0.005";
   const RunSetup lid = setup("path: 'a.step' body: 'lid' " + more);
   EXPECT_EQ(lid.shells.size(), 6u);
-  EXPECT_NEAR(area_of(lid), 2e-6 * (200 + 300 + 600), 1e-12);
-  EXPECT_NEAR(area_of(setup("path: 'a.step' body: 'box' " + more)), 2e-6 * (2000 + 2400 + 3000), 1e-12);
-  EXPECT_NEAR(area_of(setup("path: 'a.step' layer: 'sheets' " + more)), 2e-6 * (2000 + 2400 + 3000), 1e-12);
+  EXPECT_NEAR(whole_area(lid), 2e-6 * (200 + 300 + 600), 1e-12);
+  EXPECT_NEAR(whole_area(setup("path: 'a.step' body: 'box' " + more)), 2e-6 * (2000 + 2400 + 3000), 1e-12);
+  EXPECT_NEAR(whole_area(setup("path: 'a.step' layer: 'sheets' " + more)), 2e-6 * (2000 + 2400 + 3000), 1e-12);
   const std::string told = inspect_report(file("a.step"), 0.005);
   for (const char* part : {"\"bodies\"", "\"lid\"", "\"box\"", "\"layers\"", "\"sheets\""}) EXPECT_SAYS(told, part);
 }

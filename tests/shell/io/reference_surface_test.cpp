@@ -83,11 +83,7 @@ TEST(ReferenceSurface, OfAMeshKeepsCornersAndCreases) {
   EXPECT_THROW(offset_mesh(m, [](int, int) { return -0.6; }), Error);
 }
 
-namespace {
-
 class ReferenceScene : public MeshScene {};
-
-}  // namespace
 
 TEST_F(ReferenceScene, OfAMeshIsHalfAThicknessWithin) {
   Triangles bowl = lattice(40, 30, false, [](double u, double v) {

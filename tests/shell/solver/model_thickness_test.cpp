@@ -30,7 +30,7 @@ ThicknessFactor along_u(double first, double last, double length) {
   return [=](const Patch&, const Vec2& p) { return first + (last - first) * p.x() / length; };
 }
 
-double mass_of(const ShellModel& m) {
+double whole_mass(const ShellModel& m) {
   double sum = 0.0;
   for (const double mass : m.mass) sum += mass;
   return sum;
@@ -90,7 +90,7 @@ TEST(VaryingThickness, OfOneFactorIsThatThickness) {
           EXPECT_LT(apart(a.force, b.force), 1e-9) << degree << rational << law << cut.size();
           EXPECT_NEAR(b.energy / a.energy, 1.0, 1e-9) << degree << rational << law << cut.size();
         }
-        EXPECT_NEAR(mass_of(factor) / mass_of(whole), 1.0, 1e-14);
+        EXPECT_NEAR(whole_mass(factor) / whole_mass(whole), 1.0, 1e-14);
       }
 }
 
@@ -122,7 +122,7 @@ TEST(VaryingThickness, HasItsMassAndCentre) {
   double moment = 0.0;
   for (int i = 0; i < m.control_points(); ++i) moment += m.mass[m.tables.slot(i)] * m.rest[m.tables.slot(i)];
   const double mass = 2500 * 0.004 * 0.3 * 0.2 * 0.625;
-  EXPECT_NEAR(mass_of(m), mass, 1e-14);
+  EXPECT_NEAR(whole_mass(m), mass, 1e-14);
   EXPECT_NEAR(moment / mass, 0.3 * (1.0 + 2.0 * 0.25) / (3.0 * 1.25), 1e-14);  // of a trapezium
   EXPECT_NEAR(m.thickest, 1.0, 0.03);  // at Gauss points, half an element within
   EXPECT_NEAR(m.thinnest, 0.25, 0.03);
@@ -175,7 +175,7 @@ TEST(VaryingThickness, GoesWithTrims) {
   const ShellModel whole = make_shell("p", p, 0.006, glass(), 2, 2, {}, {}, loops),
                    factor = make_shell("p", p, 0.004, glass(), 2, 2, {}, {}, loops, everywhere(1.5));
   EXPECT_LT(apart(bent(whole).force, bent(factor).force), 1e-9);
-  EXPECT_NEAR(mass_of(factor) / mass_of(whole), 1.0, 1e-13);
+  EXPECT_NEAR(whole_mass(factor) / whole_mass(whole), 1.0, 1e-13);
 }
 
 TEST(VaryingThickness, IsThatOfSectionsAndCracks) {
