@@ -21,7 +21,7 @@ using dart::dynamics::BodyNode;
 using dart::dynamics::SkeletonPtr;
 
 /// Largest number of rows of a group for the exact solver, whose time grows with their cube.
-constexpr std::size_t kExactRows = 500;
+constexpr std::size_t kExactRows = 1200;
 constexpr int kSweeps = 100;
 /// Softness of every row relative to its inverse mass. The exact solver factorises a matrix that would be singular,
 /// because several corners of one plate are redundant.
@@ -56,8 +56,8 @@ class Rows final : public dart::constraint::ConstraintBase {
        double friction)
       : group_(std::move(group)), rows_(std::move(rows)), contact_(contact), friction_(friction) {
     mDim = rows_.size();
-    if (first) ends_.push_back({first, {}});
-    if (second) ends_.push_back({second, {}});
+    for (BodyNode* body : {first, second})
+      if (body) ends_.push_back({body, body->getSkeleton().get(), {}});
     for (const Row& row : rows_) {
       if (first) ends_[0].on.push_back(row.on(row.first_arm));
       if (second) ends_.back().on.push_back(-row.on(row.second_arm));
@@ -87,17 +87,16 @@ class Rows final : public dart::constraint::ConstraintBase {
   }
   void applyUnitImpulse(std::size_t index) override {
     for (const End& end : ends_) {
-      const SkeletonPtr skeleton = end.body->getSkeleton();
-      skeleton->clearConstraintImpulses();
-      skeleton->updateBiasImpulse(end.body, end.on[index]);
-      skeleton->updateVelocityChange();
+      end.skeleton->clearConstraintImpulses();
+      end.skeleton->updateBiasImpulse(end.body, end.on[index]);
+      end.skeleton->updateVelocityChange();
     }
     applied_ = index;
   }
   void getVelocityChange(double* change, bool with_softness) override {
     std::fill_n(change, rows_.size(), 0.0);
     for (const End& end : ends_) {
-      if (!end.body->getSkeleton()->isImpulseApplied()) continue;
+      if (!end.skeleton->isImpulseApplied()) continue;
       const Eigen::Matrix<double, 6, 1>& moved = end.body->getBodyVelocityChange();
       for (std::size_t i = 0; i < rows_.size(); ++i) change[i] += end.on[i].dot(moved);
     }
@@ -115,10 +114,11 @@ class Rows final : public dart::constraint::ConstraintBase {
  private:
   struct End {
     BodyNode* body;
+    dart::dynamics::Skeleton* skeleton;           // the body's; to share it takes long
     std::vector<Eigen::Matrix<double, 6, 1>> on;  // by row: what a unit impulse does to the body
   };
   void touch(bool applied) {
-    for (const End& end : ends_) end.body->getSkeleton()->setImpulseApplied(applied);
+    for (const End& end : ends_) end.skeleton->setImpulseApplied(applied);
   }
 
   SkeletonPtr group_;
