@@ -1,11 +1,19 @@
-"""Writes patches as a STEP file (AP214): an open shell of faces that share edges and corners."""
+"""Writes patches as a STEP file (AP214): open shells of faces that share edges and corners."""
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
-from car_shape import SPANS, Patch
+
+class Face(Protocol):
+    """A quadratic patch: control points `net` (along v, along u, 3) over uniform knots."""
+    name: str
+    net: np.ndarray
+
+    def edge(self, side: str) -> np.ndarray:
+        """Returns the control points of an edge, along u or v."""
 
 
 class _Entities:
@@ -63,13 +71,29 @@ class _Topology:
         return self._entities.add(f"ORIENTED_EDGE('',*,*,{edge},.{'T' if forwards else 'F'}.)")
 
 
-def write_step(file: Path, patches: list[Patch]) -> None:
+def write_step(file: Path, patches: list[Face]) -> None:
     """Writes the patches as faces 0, 1, ... in metres; u cross v is the normal."""
+    write_bodies(file, "car", {"car": patches}, "make_car.py")
+
+
+def write_bodies(file: Path, product: str, bodies: dict[str, list[Face]], script: str) -> None:
+    """Writes each body as an open shell of that name; faces are numbered through all of them. `script` is what the file
+    says made it."""
     data = _Entities()
     topology = _Topology(data)
+    models = [_add_body(data, topology, name, patches) for name, patches in bodies.items()]
+    _add_product(data, product, models)
+    # The file has no date, so the same shape gives the same file.
+    head = ["ISO-10303-21;", "HEADER;", "FILE_DESCRIPTION((''),'2;1');",
+            f"FILE_NAME('{file.name}','',(''),(''),'{script}','','');",
+            "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));", "ENDSEC;", "DATA;"]
+    file.write_text("\n".join([*head, *data.lines, "ENDSEC;", "END-ISO-10303-21;"]) + "\n")
+
+
+def _add_body(data: _Entities, topology: _Topology, name: str, patches: list[Face]) -> str:
     faces = []
     for patch in patches:
-        (nu, ku), (nv, kv) = _knots(SPANS[patch.chain_u]), _knots(SPANS[patch.chain_v])
+        (nu, ku), (nv, kv) = (_knots(count - 2) for count in patch.net.shape[1::-1])
         columns = [f"({','.join(data.point(p) for p in patch.net[:, i])})" for i in range(patch.net.shape[1])]
         surface = data.add(f"B_SPLINE_SURFACE_WITH_KNOTS('{patch.name}',2,2,({','.join(columns)}),.UNSPECIFIED.,"
                            f".F.,.F.,.F.,{nu},{nv},{ku},{kv},.UNSPECIFIED.)")
@@ -78,12 +102,15 @@ def write_step(file: Path, patches: list[Patch]) -> None:
         loop = data.add(f"EDGE_LOOP('',({','.join(border)}))")
         bound = data.add(f"FACE_OUTER_BOUND('',{loop},.T.)")
         faces.append(data.add(f"ADVANCED_FACE('{patch.name}',({bound}),{surface},.T.)"))
-    shell = data.add(f"OPEN_SHELL('car',({','.join(faces)}))")
-    model = data.add(f"SHELL_BASED_SURFACE_MODEL('car',({shell}))")
+    shell = data.add(f"OPEN_SHELL('{name}',({','.join(faces)}))")
+    return data.add(f"SHELL_BASED_SURFACE_MODEL('{name}',({shell}))")
+
+
+def _add_product(data: _Entities, name: str, models: list[str]) -> None:
     application = data.add("APPLICATION_CONTEXT('automotive design')")
     data.add(f"APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{application})")
     context = data.add(f"PRODUCT_CONTEXT('',{application},'mechanical')")
-    product = data.add(f"PRODUCT('car','car','',({context}))")
+    product = data.add(f"PRODUCT('{name}','{name}','',({context}))")
     data.add(f"PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,({product}))")
     formation = data.add(f"PRODUCT_DEFINITION_FORMATION('','',{product})")
     stage = data.add(f"PRODUCT_DEFINITION_CONTEXT('part definition',{application},'design')")
@@ -98,10 +125,5 @@ def write_step(file: Path, patches: list[Patch]) -> None:
     origin = data.point(np.zeros(3))
     axes = [data.add(f"DIRECTION('',({a}))") for a in ("0.,0.,1.", "1.,0.,0.")]
     placement = data.add(f"AXIS2_PLACEMENT_3D('',{origin},{axes[0]},{axes[1]})")
-    whole = data.add(f"MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',({placement},{model}),{world})")
+    whole = data.add(f"MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',({placement},{','.join(models)}),{world})")
     data.add(f"SHAPE_DEFINITION_REPRESENTATION({shape},{whole})")
-    # The file has no date, so the same car gives the same file.
-    head = ["ISO-10303-21;", "HEADER;", "FILE_DESCRIPTION((''),'2;1');",
-            f"FILE_NAME('{file.name}','',(''),(''),'make_car.py','','');",
-            "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));", "ENDSEC;", "DATA;"]
-    file.write_text("\n".join([*head, *data.lines, "ENDSEC;", "END-ISO-10303-21;"]) + "\n")
