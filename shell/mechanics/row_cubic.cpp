@@ -2,8 +2,8 @@
 
 namespace sunder::shell {
 
-RowFunction cubic_row(RowShape shape, const LayerMemory& memory, bool energy, bool stress) {
-  return row_function<4>(shape, memory, energy, stress);
+RowFunction cubic_row(bool rational, const LayerMemory& memory, bool energy, bool stress) {
+  return row_function<4>(rational, memory, energy, stress);
 }
 
 }  // namespace sunder::shell

@@ -19,11 +19,9 @@ using RowFunction = RowSums (*)(const RowTables&, const double*, const SurfaceSt
                                 double*);
 /// What a kernel is compiled for: shells of one thickness pay nothing for those whose thickness varies.
 enum class RowShape { kPolynomial, kRational, kVarying };
-inline RowShape shape_of(const RowTables& t) {
-  return t.varies() ? RowShape::kVarying : t.rational ? RowShape::kRational : RowShape::kPolynomial;
-}
-RowFunction quadratic_row(RowShape shape, const LayerMemory& memory, bool energy, bool stress);
-RowFunction cubic_row(RowShape shape, const LayerMemory& memory, bool energy, bool stress);
+RowFunction quadratic_row(bool rational, const LayerMemory& memory, bool energy, bool stress);
+RowFunction cubic_row(bool rational, const LayerMemory& memory, bool energy, bool stress);
+RowFunction varying_row(int degree, const LayerMemory& memory, bool energy, bool stress);
 
 namespace {
 
@@ -326,20 +324,19 @@ RowSums element_row(const RowTables& t, const double* x, const SurfaceStress& st
   return {sum - sums.retained, sums.booked};
 }
 
-template <int kSupport>
-RowFunction row_function(RowShape shape, const LayerMemory& memory, bool energy, bool stress) {
+template <int kSupport, RowShape kShape>
+RowFunction row_of_shape(const LayerMemory& memory, bool energy, bool stress) {
   return with_layers(memory, [&]<class Law>(Law) -> RowFunction {
-    const auto pick = [&]<RowShape kShape>(std::integral_constant<RowShape, kShape>) -> RowFunction {
-      if (energy)
-        return stress ? element_row<kSupport, kShape, true, true, Law>
-                      : element_row<kSupport, kShape, true, false, Law>;
-      return stress ? element_row<kSupport, kShape, false, true, Law>
-                    : element_row<kSupport, kShape, false, false, Law>;
-    };
-    if (shape == RowShape::kVarying) return pick(std::integral_constant<RowShape, RowShape::kVarying>());
-    if (shape == RowShape::kRational) return pick(std::integral_constant<RowShape, RowShape::kRational>());
-    return pick(std::integral_constant<RowShape, RowShape::kPolynomial>());
+    if (energy)
+      return stress ? element_row<kSupport, kShape, true, true, Law> : element_row<kSupport, kShape, true, false, Law>;
+    return stress ? element_row<kSupport, kShape, false, true, Law> : element_row<kSupport, kShape, false, false, Law>;
   });
+}
+
+template <int kSupport>
+RowFunction row_function(bool rational, const LayerMemory& memory, bool energy, bool stress) {
+  return rational ? row_of_shape<kSupport, RowShape::kRational>(memory, energy, stress)
+                  : row_of_shape<kSupport, RowShape::kPolynomial>(memory, energy, stress);
 }
 
 }  // namespace

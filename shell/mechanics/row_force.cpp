@@ -42,9 +42,10 @@ double row_forces(const RowTables& t, const ForceCall& call, const LayerMemory& 
   scratch.row_energy.resize(t.spans_v), scratch.row_booked.assign((ductile ? 2 : 1) * t.spans_v, 0.0);
   const double* positions = homogeneous(t, call.x, scratch);
   const bool record = call.stress.values != nullptr;
-  const RowFunction row = ductile
-                              ? ductile_row(t, memory, call.energy, record, &scratch.row_booked[t.spans_v])
-                              : (t.degree == 2 ? quadratic_row : cubic_row)(shape_of(t), memory, call.energy, record);
+  const RowFunction row = ductile ? ductile_row(t, memory, call.energy, record, &scratch.row_booked[t.spans_v])
+                          : t.varies()
+                              ? varying_row(t.degree, memory, call.energy, record)
+                              : (t.degree == 2 ? quadratic_row : cubic_row)(t.rational, memory, call.energy, record);
 #pragma omp parallel for schedule(static) num_threads(call.threads)
   for (int f = 0; f < t.spans_v; ++f) {
     const RowSums sums = row(t, positions, call.stress, memory, f, &scratch.row_force[row_size * f]);

@@ -2,8 +2,8 @@
 
 namespace sunder::shell {
 
-RowFunction quadratic_row(RowShape shape, const LayerMemory& memory, bool energy, bool stress) {
-  return row_function<3>(shape, memory, energy, stress);
+RowFunction quadratic_row(bool rational, const LayerMemory& memory, bool energy, bool stress) {
+  return row_function<3>(rational, memory, energy, stress);
 }
 
 }  // namespace sunder::shell
