@@ -154,10 +154,12 @@ class Tags {
 
 namespace {
 
-// Index of the texture coordinates of a corner "point/texture" or "point/texture/normal"; -1: it has none.
+// Index of the texture coordinates of a corner "point/texture" or "point/texture/normal"; -1: it has none. Files
+// without any may have indices all the same.
 int texture_of(const MeshFile& mesh, const std::string& word, const std::string& where) {
   const std::size_t slash = word.find('/');
-  if (slash == std::string::npos || slash + 1 == word.size() || word[slash + 1] == '/') return -1;
+  if (mesh.texture.empty() || slash == std::string::npos || slash + 1 == word.size() || word[slash + 1] == '/')
+    return -1;
   const long index = std::strtol(word.c_str() + slash + 1, nullptr, 10), known = static_cast<long>(mesh.texture.size());
   if (index == 0 || index < -known || index > known)
     mesh.fail_at(where, fmt::format("'{}' has texture coordinates {}, none of the {} vt before it, which count from 1; "
