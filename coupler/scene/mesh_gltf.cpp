@@ -241,6 +241,7 @@ class Gltf {
     std::vector<std::size_t> corner(at.count);
     for (std::size_t k = 0; k < at.count; ++k) corner[k] = k;
     if (const std::size_t index = number(primitive, "indices", of, kMissing); index != kMissing) {
+      check_indices(element("accessors", index, of), fmt::format("accessors[{}]", index));
       const Array list = array(index, of, 1);
       corner.assign(list.values.begin(), list.values.end());
     }
@@ -311,6 +312,16 @@ class Gltf {
     return out;
   }
 
+  // Indices are whole numbers without a sign: the conversion of all others to an index is undefined, or loses a part.
+  void check_indices(const Json& from, const std::string& own) const {
+    const std::size_t type = needed(from, "componentType", own);
+    if (type != 5121 && type != 5123 && type != 5125)
+      mesh_.fail(
+          fmt::format("has {}.componentType of {}, and indices are of 5121, 5123 or 5125; export it again", own, type));
+    if (const auto share = from.find("normalized"); share != from.end() && *share != false)
+      mesh_.fail(fmt::format("has {} with indices that are normalized; export it again", own));
+  }
+
   // Puts in the elements that differ.
   void replace(const Json& sparse, std::size_t type, bool share, const std::string& own, Array& out) {
     const auto where = sparse.is_object() ? sparse.find("indices") : sparse.end();
@@ -320,12 +331,13 @@ class Gltf {
       mesh_.fail(fmt::format("has {} without indices or values; export it again", own));
     const std::size_t count = needed(sparse, "count", own);
     if (count > out.count) mesh_.fail(fmt::format("has {} elements in {}, more than there are", count, own));
+    check_indices(*where, own + ".indices");
     const std::vector<double> at = numbers_in(needed(*where, "bufferView", own), number(*where, "byteOffset", own, 0),
                                               needed(*where, "componentType", own), false, count, 1, own);
     const std::vector<double> values = numbers_in(needed(*what, "bufferView", own), number(*what, "byteOffset", own, 0),
                                                   type, share, count, out.components, own);
     for (std::size_t k = 0; k < count; ++k) {
-      if (at[k] < 0.0 || at[k] >= static_cast<double>(out.count))
+      if (!(at[k] >= 0.0 && at[k] < static_cast<double>(out.count)))
         mesh_.fail(fmt::format("has element {} in {}, which is none; export it again", at[k], own));
       for (std::size_t c = 0; c < out.components; ++c)
         out.values[static_cast<std::size_t>(at[k]) * out.components + c] = values[k * out.components + c];

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstring>
 #include <fstream>
+#include <limits>
 
 #include "shell/io/inspect_mesh.h"
 #include "shell/io/mesh_parts.h"
@@ -148,7 +149,11 @@ TEST_F(MeshGltf, BadFilesAreRefusedByName) {
   refused(glb(json("", "\"camera\": 0"), kBinary), "has no mesh in its scene");
   refused(glb(replaced(json(""), "\"count\": 6", "\"count\": 7"), kBinary), "goes on beyond bufferViews[1]");
   refused(glb(replaced(json(""), "\"count\": 6", "\"count\": -6"), kBinary), "accessors[1].count of -6");
-  refused(glb(replaced(json(""), "5123", "5130"), kBinary), "the component type 5130");
+  refused(glb(replaced(json(""), "5126", "5130"), kBinary), "the component type 5130");
+  for (const char* type : {"5120", "5122", "5126", "5130"})
+    refused(glb(replaced(json(""), "5123", type), kBinary), fmt::format("accessors[1].componentType of {}", type));
+  refused(glb(replaced(json(""), "\"count\": 6", "\"count\": 6, \"normalized\": true"), kBinary),
+          "accessors[1] with indices that are normalized");
   refused(glb(replaced(json(""), "\"VEC3\"", "\"VEC2\""), kBinary), "of a type that does not fit");
   refused(glb(replaced(replaced(json(""), ", \"COLOR_0\": 2", ""), "\"count\": 4, \"type\": \"VEC3\"",
                        "\"count\": 3, \"type\": \"VEC3\""),
@@ -162,6 +167,36 @@ TEST_F(MeshGltf, BadFilesAreRefusedByName) {
   expect_part(refusal("path: 'a.glb' element_m: 0.2 up: Y"), "turned upright anyway");
 }
 
+// Positions of which two are moved: 8 bytes of indices and 24 of values follow the rest.
+std::string sparse_json(int type) {
+  const std::string sparse = fmt::format(
+      R"("count": 4, "type": "VEC3", "sparse": {{ "count": 2, "indices": {{ "bufferView": 3, "componentType": {} }},
+                  "values": {{ "bufferView": 4 }} }})",
+      type);
+  const std::string text =
+      replaced(replaced(json(""), "\"count\": 4, \"type\": \"VEC3\"", sparse), "\"byteLength\": 16 }",
+               "\"byteLength\": 16 }, { \"buffer\": 0, \"byteOffset\": 76, \"byteLength\": 8 }, "
+               "{ \"buffer\": 0, \"byteOffset\": 84, \"byteLength\": 24 }");
+  return replaced(text, "\"byteLength\": 76", "\"byteLength\": 108");
+}
+
+// A number that is none would be written before the array, and 1.5 would be 1.
+TEST_F(MeshGltf, IndicesOfSparseArraysThatAreNoneAreRefused) {
+  const std::string values = bytes<float>({3, 0, 0, 3, 0, -1});
+  const auto refused = [&](int type, const std::string& indices, const std::string& says) {
+    write("a.glb", glb(sparse_json(type), kBinary + indices + values));
+    const std::string told = refusal("path: 'a.glb' element_m: 0.2");
+    expect_part(told, says);
+    expect_part(told, "shells[0].mesh.path");
+  };
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  refused(5126, bytes<float>({none, 1}), "accessors[0].sparse.indices.componentType of 5126");
+  refused(5126, bytes<float>({1.5f, 2}), "accessors[0].sparse.indices.componentType of 5126");
+  refused(5120, bytes<std::int8_t>({-1, 1, 0, 0, 0, 0, 0, 0}), "accessors[0].sparse.indices.componentType of 5120");
+  refused(5123, bytes<std::uint16_t>({1, 4, 0, 0}), "has element 4 in accessors[0].sparse, which is none");
+  refused(5125, bytes<std::uint32_t>({4294967295u, 1}), "has element 4294967295 in accessors[0].sparse");
+}
+
 // Strips and fans, sparse positions, and meshes without indices.
 TEST_F(MeshGltf, KindsOfPrimitivesAndSparseArrays) {
   const std::string no_indices = replaced(json(""), "\"indices\": 1, ", "");
@@ -171,16 +206,8 @@ TEST_F(MeshGltf, KindsOfPrimitivesAndSparseArrays) {
   write("a.glb", glb(replaced(no_indices, "\"material\": 0", "\"material\": 0, \"mode\": 5"), strip));
   EXPECT_NEAR(area(setup("path: 'a.glb' element_m: 0.2")), 2.0, 1e-9);
   // the second and the third point are moved by a sparse array, to x = 3
-  const std::string sparse = replaced(
-      replaced(
-          json(""), "\"count\": 4, \"type\": \"VEC3\"",
-          R"("count": 4, "type": "VEC3", "sparse": { "count": 2, "indices": { "bufferView": 3, "componentType": 5121 },
-                  "values": { "bufferView": 4 } })"),
-      "\"byteLength\": 16 }",
-      "\"byteLength\": 16 }, { \"buffer\": 0, \"byteOffset\": 76, \"byteLength\": 4 }, "
-      "{ \"buffer\": 0, \"byteOffset\": 80, \"byteLength\": 24 }");
-  write("a.glb", glb(replaced(sparse, "\"byteLength\": 76", "\"byteLength\": 104"),
-                     kBinary + bytes<std::uint8_t>({1, 2, 0, 0}) + bytes<float>({3, 0, 0, 3, 0, -1})));
+  write("a.glb", glb(sparse_json(5121),
+                     kBinary + bytes<std::uint8_t>({1, 2, 0, 0, 0, 0, 0, 0}) + bytes<float>({3, 0, 0, 3, 0, -1})));
   EXPECT_NEAR(area(setup("path: 'a.glb' element_m: 0.2")), 3.0, 1e-9);
 }
 
