@@ -10,6 +10,7 @@ import numpy as np
 from PIL import Image
 
 from sunder_tools.command.inspect import gap_lines
+from sunder_tools.errors import BAD_INPUT, CommandError
 from sunder_tools.pictures.inspected import GAP, draw_inspected
 from sunder_tools.report.gaps import gap_of_borders, gaps_of_edges
 
@@ -64,6 +65,15 @@ class Gaps(unittest.TestCase):
             draw_inspected(Path(folder), told, found, target)
             shown = np.asarray(Image.open(target).convert("RGB")).reshape(-1, 3).astype(int)
         self.assertTrue((np.abs(shown - np.array(GAP)).max(axis=1) < 8).any())
+
+    def test_a_closed_mesh_that_is_refused_leaves_nothing_to_draw(self) -> None:
+        told = {"charts": [], "borders_m": [], "refused": "it is closed"}
+        with tempfile.TemporaryDirectory() as folder:
+            target = Path(folder) / "a.png"
+            with self.assertRaisesRegex(CommandError, "a.png: there is nothing to draw.*leave --picture out") as refused:
+                draw_inspected(Path(folder), told, [], target)
+            self.assertFalse(target.exists())
+        self.assertEqual(refused.exception.status, BAD_INPUT)
 
 
 if __name__ == "__main__":

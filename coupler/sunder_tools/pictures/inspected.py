@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw
 
+from ..errors import BAD_INPUT, CommandError
 from ..replacing import replacing
 from ..report.gaps import Gap
 from .frames import list_frames
@@ -25,7 +26,7 @@ WIDTH, MARK = 2, 7  # [px] of lines, radius of a mark of a gap
 
 def draw_inspected(folder: Path, told: dict[str, Any], gaps: list[Gap], target: Path) -> None:
     """Draws the only frame in `folder`, the shells of a file, with edges over it, to `target`. Without a frame there are edges
-    alone. Raises VtpError, OSError."""
+    alone. Raises VtpError, OSError, and CommandError where there is neither, as of a closed mesh that is refused."""
     frames = list_frames(folder) if (folder / "frames.pvd").exists() else []
     lines = lines_of(told)
     points = [np.concatenate([line for line, _ in lines])] if lines else []
@@ -33,6 +34,9 @@ def draw_inspected(folder: Path, told: dict[str, Any], gaps: list[Gap], target: 
     if frames:
         scene = load_scene(frames[0], Look("fragment", glass=(False,) * 2))
         points += [surface.points[np.unique(surface.triangles)] for surface in (scene.glass, scene.solid)]
+    if not points:
+        raise CommandError(f"--picture {target}: there is nothing to draw: no shell can be made, and there is no edge to show; mend "
+                           "what is refused, or leave --picture out", BAD_INPUT)
     every = np.concatenate(points)
     size = (SIZE[0] * SAMPLES, SIZE[1] * SAMPLES)
     camera = perspective_camera(every.min(axis=0), every.max(axis=0), DIRECTION, *size)
