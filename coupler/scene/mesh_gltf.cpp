@@ -20,8 +20,11 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::uint32_t kGlb = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr std::size_t kMostBytes = std::size_t{1} << 30;  // of a file
+constexpr std::size_t kMostBytes = std::size_t{1} << 30;  // of a file, and of all buffers together
 constexpr std::size_t kMostNodes = 100000;                // that are visited
+// Triangles of all nodes, counted again for each node that shows them: those that are kept, and with those that have
+// two corners in one place, of which a strip has some.
+constexpr std::size_t kMostKept = kMostSurfaceTriangles, kMostSeen = 10 * kMostKept;
 // What an extension may change that shells do not look at; integers as positions are read.
 constexpr std::array<const char*, 6> kHarmless = {"KHR_materials_",        "KHR_texture_", "KHR_lights_",
                                                   "KHR_mesh_quantization", "EXT_texture_", "KHR_animation_"};
@@ -224,6 +227,7 @@ class Gltf {
 
   void add_primitive(const Json& primitive, const std::string& of, const std::vector<std::string>& groups,
                      const Eigen::Affine3d& here) {
+    bound(++seen_, kMostSeen);
     const std::size_t mode = primitive.is_object() ? number(primitive, "mode", of, 4) : 7;
     if (mode > 6) mesh_.fail(fmt::format("has {} of a kind that is none; export it again", of));
     if (mode < 4) return;  // points and lines
@@ -253,6 +257,7 @@ class Gltf {
       tag.usemtl = name_of(element("materials", k, of), fmt::format("material_{}", k));
     const bool mirrored = here.linear().determinant() < 0.0;
     const std::size_t faces = mode == 4 ? corner.size() / 3 : corner.size() < 3 ? 0 : corner.size() - 2;
+    bound(seen_ += faces, kMostSeen);
     for (std::size_t k = 0; k < faces; ++k) {
       std::array<std::size_t, 3> c = mode == 4   ? std::array{3 * k, 3 * k + 1, 3 * k + 2}
                                      : mode == 5 ? std::array{k, k + 1 + k % 2, k + 2 - k % 2}
@@ -263,7 +268,14 @@ class Gltf {
       for (const std::size_t i : {p[0], mirrored ? p[2] : p[1], mirrored ? p[1] : p[2]})
         polygon.corners.push_back(first + static_cast<int>(i));
       mesh_.polygons.push_back(std::move(polygon));
+      bound(mesh_.polygons.size(), kMostKept);
     }
+  }
+
+  void bound(std::size_t triangles, std::size_t most) const {
+    if (triangles > most)
+      mesh_.fail(
+          fmt::format("has more than {} triangles, counted again for each node that shows them; {}", most, kReduce));
   }
 
   int number_of(const FaceTag& tag) {
@@ -368,37 +380,24 @@ class Gltf {
           mesh_.fail(fmt::format("has {} compressed by {}; export it without compression", own, name));
     const std::string& bytes = buffer(needed(view, "buffer", own));
     const std::size_t begin = number(view, "byteOffset", own, 0), length = needed(view, "byteLength", own);
-    static const std::map<std::size_t, std::size_t> kSizes = {{5120, 1}, {5121, 1}, {5122, 2},
-                                                              {5123, 2}, {5125, 4}, {5126, 4}};
-    const auto size = kSizes.find(type);
-    if (size == kSizes.end()) mesh_.fail(fmt::format("has {} with the component type {}; export it again", of, type));
-    const std::size_t each = size->second * components, stride = std::max(each, number(view, "byteStride", own, each));
+    struct Kind {
+      std::size_t size;
+      void (*decode)(const char*, std::size_t, std::size_t, std::size_t, bool, std::vector<double>&);
+    };
+    static const std::map<std::size_t, Kind> kKinds = {
+        {5120, {1, decode<std::int8_t>}},   {5121, {1, decode<std::uint8_t>}},  {5122, {2, decode<std::int16_t>}},
+        {5123, {2, decode<std::uint16_t>}}, {5125, {4, decode<std::uint32_t>}}, {5126, {4, decode<float>}}};
+    const auto kind = kKinds.find(type);
+    if (kind == kKinds.end()) mesh_.fail(fmt::format("has {} with the component type {}; export it again", of, type));
+    const std::size_t each = kind->second.size * components,
+                      stride = std::max(each, number(view, "byteStride", own, each));
     if (begin > bytes.size() || length > bytes.size() - begin ||
         (count > 0 && (offset > length || each > length - offset || (length - offset - each) / stride < count - 1)))
       mesh_.fail(fmt::format("has {} that goes on beyond {} or its buffer of {} bytes; is the copy whole?", of, own,
                              bytes.size()));
     std::vector<double> out;
     out.reserve(count * components);
-    const char* const from = bytes.data() + begin + offset;
-    switch (type) {
-      case 5120:
-        decode<std::int8_t>(from, stride, count, components, share, out);
-        break;
-      case 5121:
-        decode<std::uint8_t>(from, stride, count, components, share, out);
-        break;
-      case 5122:
-        decode<std::int16_t>(from, stride, count, components, share, out);
-        break;
-      case 5123:
-        decode<std::uint16_t>(from, stride, count, components, share, out);
-        break;
-      case 5125:
-        decode<std::uint32_t>(from, stride, count, components, share, out);
-        break;
-      default:
-        decode<float>(from, stride, count, components, share, out);
-    }
+    kind->second.decode(bytes.data() + begin + offset, stride, count, components, share, out);
     return out;
   }
 
@@ -413,17 +412,22 @@ class Gltf {
     if (uri == b.end()) {
       if (index != 0 || !has_binary_)
         mesh_.fail(fmt::format("has {} without an uri, and no binary chunk; export it again", own));
-      bytes = binary_;
+      bytes = std::move(binary_);
     } else if (!uri->is_string()) {
       mesh_.fail(fmt::format("has {}.uri that is no text; export it again", own));
     } else if (const std::string text = uri->get<std::string>(); text.rfind("data:", 0) == 0) {
       bytes = from_base64(text, own);
     } else {
       const std::filesystem::path beside = std::filesystem::path(mesh_.path).parent_path() / decoded(text);
-      bytes = bytes_of(mesh_.scene.file_beside(mesh_.field, beside));
+      const std::string file = mesh_.scene.file_beside(mesh_.field, beside);
+      if (const std::uintmax_t size = std::filesystem::file_size(file); size > kMostBytes - std::min(held_, kMostBytes))
+        mesh_.fail(fmt::format("has {} in '{}' of {} bytes, and its buffers may have {} in all; {}", own, text, size,
+                               kMostBytes, kReduce));
+      bytes = bytes_of(file);
     }
     if (const std::size_t length = needed(b, "byteLength", own); bytes.size() < length)
       mesh_.fail(fmt::format("has {} of {} bytes, and {} are there; is the copy whole?", own, length, bytes.size()));
+    held_ += bytes.size();
     return buffers_.emplace(index, std::move(bytes)).first->second;
   }
 
@@ -460,8 +464,9 @@ class Gltf {
   Json root_;
   std::string binary_;
   bool has_binary_ = false;
-  std::size_t visited_ = 0;
-  std::vector<std::string> path_;  // names of the nodes down to the present one
+  std::size_t visited_ = 0, seen_ = 0;  // nodes; triangles and primitives
+  std::size_t held_ = 0;                // bytes in buffers_
+  std::vector<std::string> path_;       // names of the nodes down to the present one
   std::map<std::size_t, std::string> buffers_;
   std::map<std::pair<std::vector<std::string>, std::string>, int> tags_;
 };

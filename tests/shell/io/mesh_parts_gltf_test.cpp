@@ -1,6 +1,7 @@
 // glTF files as shells: both kinds, where their nodes put them, and what is refused.
 #include <array>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -195,6 +196,28 @@ TEST_F(MeshGltf, IndicesOfSparseArraysThatAreNoneAreRefused) {
   refused(5120, bytes<std::int8_t>({-1, 1, 0, 0, 0, 0, 0, 0}), "accessors[0].sparse.indices.componentType of 5120");
   refused(5123, bytes<std::uint16_t>({1, 4, 0, 0}), "has element 4 in accessors[0].sparse, which is none");
   refused(5125, bytes<std::uint32_t>({4294967295u, 1}), "has element 4294967295 in accessors[0].sparse");
+}
+
+// A few bytes ask for much: one list of corners that many nodes show, and large files beside it.
+TEST_F(MeshGltf, WhatManyNodesShowAndLargeBuffersAreRefused) {
+  const auto many = [](const std::vector<std::uint16_t>& three) {
+    std::string corners, children = "\"mesh\": 0, \"children\": [ 1";
+    for (int k = 0; k < 20000; ++k) corners += bytes<std::uint16_t>(three);
+    for (int k = 0; k < 200; ++k) children += ", 1";
+    std::string text = replaced(json("", children + " ]"), "\"count\": 6", "\"count\": 60000");
+    text = replaced(text, "\"byteOffset\": 48, \"byteLength\": 12", "\"byteOffset\": 76, \"byteLength\": 120000");
+    return glb(replaced(text, "\"byteLength\": 76", "\"byteLength\": 120076"), kBinary + corners);
+  };
+  write("a.glb", many({0, 1, 2}));
+  expect_part(refusal("path: 'a.glb' element_m: 0.2"), "has more than 300000 triangles, counted again for each node");
+  write("a.glb", many({1, 1, 1}));
+  expect_part(refusal("path: 'a.glb' element_m: 0.2"), "has more than 3000000 triangles, counted again for each node");
+  write("a.gltf", json("large.bin"));
+  write("large.bin", kBinary);
+  EXPECT_EQ(setup("path: 'a.gltf' element_m: 0.2").shells.size(), 1u);
+  std::filesystem::resize_file(folder.path + "/large.bin", (std::uintmax_t{1} << 30) + 1);  // a hole: it takes no space
+  expect_part(refusal("path: 'a.gltf' element_m: 0.2"),
+              "has buffers[0] in 'large.bin' of 1073741825 bytes, and its buffers may have 1073741824 in all");
 }
 
 // Strips and fans, sparse positions, and meshes without indices.
