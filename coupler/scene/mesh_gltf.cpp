@@ -206,7 +206,14 @@ class Gltf {
     const Json& node = element("nodes", index, "a parent or the scene");
     const Eigen::Affine3d here = parent * placed(node, of);
     path_.push_back(name_of(node, ""));
-    if (const std::size_t mesh = number(node, "mesh", of, kMissing); mesh != kMissing) add_mesh(mesh, here);
+    if (const std::size_t mesh = number(node, "mesh", of, kMissing); mesh != kMissing) {
+      if (node.contains("skin"))  // its points are where the joints put them, not its node
+        mesh_.fail(
+            fmt::format("has a mesh with a skin at '{}', so an armature says where its points are; apply the "
+                        "armature and export it again",
+                        name_of(node, of)));
+      add_mesh(mesh, here);
+    }
     for (const std::size_t child : indices(node, "children", of)) visit(child, here);
     path_.pop_back();
   }

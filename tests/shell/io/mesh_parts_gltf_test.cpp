@@ -164,6 +164,8 @@ TEST_F(MeshGltf, BadFilesAreRefusedByName) {
           "no colours of its points");
   refused(glb(json("", "\"mesh\": 0, \"rotation\": [ 0, 0, 0, 2 ]"), kBinary), "rotation of length 2");
   refused(glb(json("", "\"mesh\": 0, \"matrix\": [ 1 ]"), kBinary), "not 16 numbers");
+  refused(glb(json("", "\"mesh\": 0, \"skin\": 0"), kBinary),
+          "at 'sheet', so an armature says where its points are; apply the armature and export it again");
   write("a.glb", good);
   expect_part(refusal("path: 'a.glb' element_m: 0.2 up: Y"), "turned upright anyway");
 }
