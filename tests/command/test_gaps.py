@@ -53,6 +53,24 @@ class Gaps(unittest.TestCase):
         self.assertAlmostEqual(found[1].width_m, 0.004)
         self.assertEqual(gap_of_borders([]), (0, None))
 
+    def test_weld_is_offered_where_points_lie_opposite_points(self) -> None:
+        def rows(shift: float, count: int = 10) -> list[list[list[float]]]:
+            other = [shift + k / count for k in range(count + 1)]
+            return [[[k / 10, 0.0, 0.0], [(k + 1) / 10, 0.0, 0.0]] for k in range(10)] + [
+                [[a, 0.004, 0.0], [b, 0.004, 0.0]] for a, b in zip(other, other[1:])]
+
+        def said(borders: list[list[list[float]]]) -> str:
+            return gap_lines({"charts": [], "borders_m": borders})[0]
+
+        self.assertIn("up to 0.004 m off", said(rows(0.0)))
+        self.assertIn("--weld 0.0044 joins points that are so near", said(rows(0.0)))
+        self.assertIn("--weld 0.0047", said(rows(0.0015)))
+        shifted = said(rows(0.05))
+        self.assertNotIn("--weld 0", shifted)
+        self.assertIn("their points are up to 0.0502 m apart, so --weld does not join them: close it in the program that made the mesh",
+                      shifted)
+        self.assertNotIn("--weld 0", said(rows(0.0, 20)), "every second point has none opposite")
+
     def test_the_report_says_what_joins_them(self) -> None:
         told = {"element_m": 0.02, "faces": [{"face": 0, "refused": None}, {"face": 1, "refused": None}],
                 "edges": {"list": [edge([0], [[0, 0, 0], [1, 0, 0]]), edge([1], [[0, 0.002, 0], [1, 0.002, 0]])]}}

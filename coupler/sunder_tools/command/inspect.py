@@ -180,8 +180,11 @@ def gap_lines(told: dict[str, Any]) -> list[str]:
     if not gaps:
         return []
     count = (gap_of_borders(told["borders_m"]) or (0, None))[0]
+    weld = f"{1.1 * gaps[0].width_m:.2g}"
     return [f"gap: beside {_count(count, 'point')} of a border runs another border, up to {gaps[0].width_m:.3g} m off at "
-            f"({place[0]}) m; --weld {1.1 * gaps[0].width_m:.2g} joins points that are so near"]
+            f"({place[0]}) m; " + (f"--weld {weld} joins points that are so near" if gaps[0].points_m <= float(weld) else
+                                   f"their points are up to {gaps[0].points_m:.3g} m apart, so --weld does not join them: close "
+                                   "it in the program that made the mesh")]
 
 
 def write_scene(scene: Path, file: Path, told: dict[str, Any]) -> None:

@@ -1,7 +1,7 @@
 """Gaps in what `sunder inspect` sees: borders that run beside one another and are not joined."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ class Gap:
     width_m: float
     at_m: tuple[float, float, float]
     faces: tuple[int, ...] = ()
+    points_m: float = float("inf")  # of a mesh: how far the nearest point of the other border is, where it is furthest
 
 
 def gaps_of_edges(edges: list[dict[str, Any]], reach_m: float) -> list[Gap] | None:
@@ -43,8 +44,8 @@ def gaps_of_edges(edges: list[dict[str, Any]], reach_m: float) -> list[Gap] | No
 
 
 def gap_of_borders(borders: list[list[list[float]]]) -> tuple[int, Gap | None] | None:
-    """Counts the points on borders of a mesh beside which another stretch of border runs, and returns the widest such gap. None
-    where there are too many."""
+    """Counts the points on borders of a mesh beside which another stretch of border runs, and returns the widest such gap: its
+    width is a distance from an edge, and points that are welded have to be near points. None where there are too many."""
     if not borders:
         return 0, None
     ends = np.array(borders)  # (m, 2, 3)
@@ -53,7 +54,7 @@ def gap_of_borders(borders: list[list[list[float]]]) -> tuple[int, Gap | None] |
         return None
     pairs = number.reshape(-1, 2)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    count, widest = 0, None
+    count, widest, furthest = 0, None, 0.0
     for i, p in enumerate(points):
         own = (pairs == i).any(axis=1)
         near = np.isin(pairs, pairs[own]).any(axis=1)  # meets an edge that meets the point
@@ -62,9 +63,10 @@ def gap_of_borders(borders: list[list[list[float]]]) -> tuple[int, Gap | None] |
         distance = _distances(p, ends[~near, 0], ends[~near, 1]).min()
         if distance <= BESIDE_MESH * lengths[own].mean():
             count += 1
+            furthest = max(furthest, float(np.linalg.norm(ends[~near].reshape(-1, 3) - p, axis=1).min()))
             if widest is None or distance > widest.width_m:
                 widest = Gap(float(distance), (float(p[0]), float(p[1]), float(p[2])))
-    return count, widest
+    return count, None if widest is None else replace(widest, points_m=furthest)
 
 
 def _along(points: np.ndarray, line: np.ndarray) -> tuple[float, np.ndarray]:
