@@ -162,6 +162,20 @@ class Building(unittest.TestCase):
         self.finished("rigid/sunder-rigid-dart")
         self.assertEqual(engines.resolve("dart", build.ensure_built()), found)
 
+    def test_the_table_of_engines_says_what_brings_dart_here(self) -> None:
+        def said() -> str:
+            with mock.patch.object(engines, "names", return_value=[]):
+                return next(line for line in engines.table(build.Executables(*[self.folder / "none"] * 3)).splitlines() if "dart" in line)
+
+        self.assertRegex(said(), r"^dart +- +not built: --rigid dart installs and builds it$")
+        os.environ[BUILD_DIR_VARIABLE] = str(self.folder)
+        self.assertRegex(said(), f"not built, and {BUILD_DIR_VARIABLE} is set; run: cmake -S {self.root} -B {self.folder} "
+                                 f"-DSUNDER_DART=ON && cmake --build {self.folder} --target sunder-rigid-dart .*libdart-dev")
+        del os.environ[BUILD_DIR_VARIABLE]
+        (self.root / "VERSION").write_text("1.2.3\n")
+        with mock.patch.object(build, "INSTALLED", self.root / "VERSION"):
+            self.assertRegex(said(), "only from a checkout: 'coupler/sunder run SCENE --rigid dart' there installs and builds it$")
+
     def test_the_command_builds_here_or_says_why_not(self) -> None:
         with mock.patch.object(command, "ensure_built") as ensure:
             self.assertEqual(main(["build", "--cad"]), 0)

@@ -109,6 +109,15 @@ def by_cmake(folder: Path, targets: list[str]) -> str:
             f"apt-get install -y --no-install-recommends {' '.join(DART_PACKAGES)})")
 
 
+def how_dart_comes() -> str:
+    """Where the engine of DART is not built: what brings it here, in words that follow its name."""
+    if INSTALLED.is_file():
+        return "only from a checkout: 'coupler/sunder run SCENE --rigid dart' there installs and builds it"
+    if os.environ.get(BUILD_DIR_VARIABLE):
+        return f"not built, and {BUILD_DIR_VARIABLE} is set; run: {by_cmake(build_dir(), [DART])}"
+    return "not built: --rigid dart installs and builds it"
+
+
 def _say_if_old(found: Executables) -> None:
     """A note where sources are newer than the programs, which cannot be built anew."""
     built = min(found.shell.stat().st_mtime, found.rigid.stat().st_mtime)

@@ -13,7 +13,7 @@ from pathlib import Path
 from ..errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
 from ..places import REPOSITORY
 from ..words import did_you_mean
-from .build import Executables, ensure_built
+from .build import Executables, ensure_built, how_dart_comes
 from .own_time import OwnTime
 from .socket_dir import SocketDir
 
@@ -152,6 +152,6 @@ def table(executables: Executables) -> str:
         except CommandError as error:
             lines.append(f"{name:<12} -          not here: {error}")
     if DART not in names(executables):
-        lines.append(f"{DART:<12} -          not built: --rigid {DART} installs and builds it")
+        lines.append(f"{DART:<12} -          {how_dart_comes()}")
     lines.append(f"{IN_PROCESS}[:NAME] runs one of those that are C++ in the fracture process itself")
     return "\n".join(lines)
