@@ -2,8 +2,12 @@
 
 #include "shell/io/cad_names.h"
 
+#include <vector>
+
+#include <fmt/format.h>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_LevelListEntity.hxx>
+#include <IGESData_NameEntity.hxx>
 #include <Interface_InterfaceModel.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepBasic_ProductDefinition.hxx>
@@ -29,11 +33,23 @@ namespace {
 
 using Entity = opencascade::handle<Standard_Transient>;
 
+// Blanks fill the names of IGES files up to 8 characters, at either end.
 std::string text_of(const opencascade::handle<TCollection_HAsciiString>& text) {
   if (text.IsNull()) return {};
-  std::string out = text->ToCString();
-  while (!out.empty() && out.back() == ' ') out.pop_back();
+  const std::string all = text->ToCString();
+  const std::size_t begin = all.find_first_not_of(' ');
+  const std::string out =
+      begin == std::string::npos ? std::string() : all.substr(begin, all.find_last_not_of(' ') + 1 - begin);
   return out == "NONE" ? std::string() : out;
+}
+
+// The name of an entity's property, else its label with a number behind it, as "RIB(2)"; a number of 0 is none.
+std::string name_of(const IGESData_IGESEntity& entity) {
+  if (!entity.HasShortLabel() || entity.NbTypedProperties(STANDARD_TYPE(IGESData_NameEntity)) > 0)
+    return text_of(entity.NameValue());
+  const std::string label = text_of(entity.ShortLabel());
+  const int number = entity.HasSubScriptNumber() ? entity.SubScriptNumber() : 0;
+  return label.empty() || number == 0 ? label : fmt::format("{}({})", label, number);
 }
 
 // Finds faces of what was transferred. Instances of an assembly share the faces of their part.
@@ -82,7 +98,7 @@ void add_step(const Entity& entry, const Faces& faces, CadNames& out) {
 }
 
 void add_iges(const opencascade::handle<IGESData_IGESEntity>& entry, const Faces& faces, CadNames& out) {
-  if (entry->HasName()) faces.add(text_of(entry->NameValue()), entry, out.bodies);
+  if (entry->HasName()) faces.add(name_of(*entry), entry, out.bodies);
   if (entry->DefLevel() == IGESData_DefOne) faces.add(std::to_string(entry->Level()), entry, out.layers);
   if (entry->DefLevel() == IGESData_DefSeveral && !entry->LevelList().IsNull())
     for (int k = 1; k <= entry->LevelList()->NbLevelNumbers(); ++k)

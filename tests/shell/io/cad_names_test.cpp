@@ -1,6 +1,7 @@
 // Bodies and layers of STEP and IGES files, by their names.
 #ifdef SUNDER_CAD
 
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -74,6 +75,28 @@ TEST_F(CadNames, AWrongNameIsAnsweredWithTheRightOnes) {
   EXPECT_SAYS(refusal("path: 'a.step' layer: 'x' faces: [0, 1]"), "and so are faces");
   write_step(sector(40), file("b.step"));
   EXPECT_SAYS(refusal("path: 'b.step' layer: 'x'"), "no layer of 'b.step' with a face has a name");
+}
+
+// Label and number are the last fields of the second line of a directory entry; programs put a label at either end.
+TEST_F(CadNames, LabelsOfAnIgesFileAreBodies) {
+  const std::map<std::string, std::string> names = {{"     LID        ", "LID"},
+                                                    {"LID            0", "LID"},
+                                                    {"  LID          0", "LID"},
+                                                    {"LID            2", "LID(2)"},
+                                                    {"     LID       2", "LID(2)"}};
+  for (const auto& [label, name] : names) {
+    write_iges(sector(40), file("a.igs"));
+    std::ifstream in(file("a.igs"));
+    std::string out;
+    for (std::string line; std::getline(in, line); out += line + "\n") {
+      const bool second = line.size() >= 73 && line[72] == 'D' && std::stoi(line.substr(73)) % 2 == 0;
+      if (second && line.substr(0, 8) == "     144") line.replace(56, 16, label);
+    }
+    in.close();
+    std::ofstream(file("a.igs")) << out;
+    EXPECT_EQ(setup(fmt::format("path: 'a.igs' body: '{}'", name)).shells.size(), 1u) << label;
+    EXPECT_SAYS(inspect_report(file("a.igs"), 0.005), fmt::format("\"{}\"", name));
+  }
 }
 
 TEST_F(CadNames, LevelsOfAnIgesFileAreLayers) {
