@@ -39,6 +39,12 @@ Solid hull_solid(const std::vector<Vec3>& points) {
 
 }  // namespace
 
+std::string mesh_suffix(const std::filesystem::path& file) {
+  std::string out = file.extension();
+  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
 MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh) {
   struct Format {
     const char* suffix;
@@ -58,8 +64,7 @@ MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, cons
                mesh.surface() == proto::Mesh::EXACT,
                {},
                {}};
-  std::string suffix = out.file.extension();
-  for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string suffix = mesh_suffix(mesh.path());
   const auto* format =
       std::find_if(formats.begin(), formats.end(), [&](const Format& f) { return suffix == f.suffix; });
   if (format == formats.end())

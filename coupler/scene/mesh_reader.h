@@ -39,6 +39,8 @@ struct MeshFile {
   [[noreturn]] void fail_at(const std::string& where, const std::string& what) const;
 };
 
+/// End of a file's name from its last point, in lower case: ".glb" of "A.GLB".
+std::string mesh_suffix(const std::filesystem::path& file);
 /// Reads a file by the end of its name. `field` is that of the mesh.
 MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh);
 void read_off(MeshFile& mesh);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "coupler/scene/checks.h"
+#include "coupler/scene/mesh_reader.h"
 #include "coupler/scene/names.h"
 
 namespace sunder::scene {
@@ -20,7 +21,7 @@ void surface_mesh(const LoadedScene& s, const std::string& f, const proto::Surfa
           m.weld_m(), m.element_m());
   s.check(m.up() == proto::SurfaceMesh::Z || m.up() == proto::SurfaceMesh::Y, f + ".up", "is {}; Z or Y",
           static_cast<int>(m.up()));
-  const std::string suffix = m.path().substr(std::min(m.path().size(), m.path().rfind('.')));
+  const std::string suffix = mesh_suffix(m.path());
   s.check(m.up() == proto::SurfaceMesh::Z || (suffix != ".glb" && suffix != ".gltf"), f + ".up",
           "is Y, and '{}' is turned upright anyway, as glTF says what is up; leave it out", m.path());
   pose(s, f + ".pose", m.pose());

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "coupler/scene/mesh_reader.h"
 #include "shell/io/build.h"
 #include "shell/io/element_fit.h"
 #include "shell/io/inspect_frame.h"
@@ -86,8 +87,7 @@ MeshJson chart_of(const ShellModel& m, const MeshPatch& p, double element) {
 }  // namespace
 
 bool is_mesh_file(const std::string& file) {
-  std::string end = std::filesystem::path(file).extension();
-  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string end = scene::mesh_suffix(file);
   return end == ".obj" || end == ".off" || end == ".ply" || end == ".stl" || end == ".glb" || end == ".gltf";
 }
 

@@ -166,8 +166,10 @@ TEST_F(MeshGltf, BadFilesAreRefusedByName) {
   refused(glb(json("", "\"mesh\": 0, \"matrix\": [ 1 ]"), kBinary), "not 16 numbers");
   refused(glb(json("", "\"mesh\": 0, \"skin\": 0"), kBinary),
           "at 'sheet', so an armature says where its points are; apply the armature and export it again");
-  write("a.glb", good);
-  expect_part(refusal("path: 'a.glb' element_m: 0.2 up: Y"), "turned upright anyway");
+  for (const char* name : {"a.glb", "A.GLB", "a.b.GlTF"}) {
+    write(name, good);
+    expect_part(refusal(fmt::format("path: '{}' element_m: 0.2 up: Y", name)), "turned upright anyway");
+  }
 }
 
 // Positions of which two are moved: 8 bytes of indices and 24 of values follow the rest.
