@@ -45,7 +45,8 @@ std::string mesh_suffix(const std::filesystem::path& file) {
   return out;
 }
 
-MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh) {
+MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh,
+                        bool with_texture) {
   struct Format {
     const char* suffix;
     void (*read)(MeshFile&);
@@ -64,6 +65,7 @@ MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, cons
                mesh.surface() == proto::Mesh::EXACT,
                {},
                {}};
+  out.with_texture = with_texture;
   const std::string suffix = mesh_suffix(mesh.path());
   const auto* format =
       std::find_if(formats.begin(), formats.end(), [&](const Format& f) { return suffix == f.suffix; });

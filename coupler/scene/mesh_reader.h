@@ -26,6 +26,7 @@ struct MeshFile {
   std::vector<FaceTag> tags{};
   std::vector<Vec3> colours{};  // as in FileSurface; of the points up to the last one that has a colour
   std::vector<Vec2> texture{};  // coordinates, as the file numbers them
+  bool with_texture = false;
 
   /// Gives the last point a colour.
   void colour(const Vec3& rgb);
@@ -41,8 +42,10 @@ struct MeshFile {
 
 /// End of a file's name from its last point, in lower case: ".glb" of "A.GLB".
 std::string mesh_suffix(const std::filesystem::path& file);
-/// Reads a file by the end of its name. `field` is that of the mesh.
-MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh);
+/// Reads a file by the end of its name. `field` is that of the mesh. Texture coordinates are read only on request:
+/// solids do not need them, so what is wrong with them stops no solid.
+MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh,
+                        bool with_texture = false);
 void read_off(MeshFile& mesh);
 void read_obj(MeshFile& mesh);
 /// ASCII and binary, little and big endian. Properties other than x, y, z and the faces' corners are skipped.

@@ -20,7 +20,7 @@ Vec2 texture_at(const MeshFile& file, const Polygon& polygon, int point) {
 FileSurface read_surface(const LoadedScene& scene, const std::string& field, const std::string& path, double unit) {
   proto::Mesh message;
   message.set_path(path), message.set_scale(unit), message.set_surface(proto::Mesh::EXACT);
-  const MeshFile file = read_mesh_file(scene, field, message);
+  const MeshFile file = read_mesh_file(scene, field, message, true);
   if (file.polygons.empty()) file.fail("has points and no faces, so there is no surface; export faces as well");
   FileSurface out{file.points, {}, {}, {}, file.tags, file.colours, file.place, static_cast<int>(file.polygons.size())};
   if (!out.colours.empty()) out.colours.resize(out.points.size(), Vec3::Constant(std::nan("")));

@@ -178,9 +178,11 @@ void read_obj(MeshFile& mesh) {
     std::string kind;
     words >> kind;
     if (kind == "v") in.point(words), in.colour(words);
-    if (kind == "vt") {
+    if (kind == "vt" && mesh.with_texture) {
       Vec2 uv = Vec2::Zero();
-      if (!(words >> uv.x())) in.fail("is no texture coordinate of one to three numbers");
+      if (!(words >> uv.x()))
+        in.fail(
+            "is no texture coordinate of one to three numbers; export the file again, or without texture coordinates");
       words >> uv.y();  // 0 where it is left out
       mesh.texture.push_back(uv);
     }
@@ -193,7 +195,7 @@ void read_obj(MeshFile& mesh) {
         mesh.fail_at(in.where(),
                      fmt::format("'{}' is none of the {} points before it, which count from 1", word, points));
       polygon.corners.push_back(static_cast<int>(corner > 0 ? corner - 1 : points + corner));
-      polygon.texture.push_back(texture_of(mesh, word, in.where()));
+      if (mesh.with_texture) polygon.texture.push_back(texture_of(mesh, word, in.where()));
     }
     mesh.polygons.push_back(std::move(polygon));
   }

@@ -136,6 +136,13 @@ TEST(MeshFile, ObjLinesAreContinuedByABackslash) {
                  {"line 7: '7' is none of the 3"});
 }
 
+TEST(MeshFile, SolidsOfObjFilesReadNoTextureCoordinates) {
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt none\n";
+  EXPECT_NEAR(body_of(scene_with("bare.obj", points, "surface: HULL")).mass, 2500.0 / 6.0, 1e-9);
+  EXPECT_NEAR(body_of(scene_with("bare.obj", points + "f 1/9 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")).mass, 2500.0 / 6.0,
+              1e-9);
+}
+
 TEST(MeshFile, PlyIsReadAsTextAndInBothOrdersOfBytes) {
   for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
     expect_arch("arch.ply", ply(arch::mesh(), format), kFloat);

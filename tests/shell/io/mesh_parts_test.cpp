@@ -100,7 +100,9 @@ TEST_F(MeshParts, TextureCoordinatesThatAreNotThereAreRefusedWithTheirLine) {
     expect_part(told, "none of the 2 vt before it");
   }
   write("b.obj", points + "vt none\nf 1/1 2/2 3/1\n");
-  expect_part(refusal("path: 'b.obj' element_m: 0.2"), "line 6");
+  const std::string told = refusal("path: 'b.obj' element_m: 0.2");
+  expect_part(told, "line 6");
+  expect_part(told, "'vt none' is no texture coordinate of one to three numbers; export the file again, or without");
   write("b.obj", points + "f 1/1 2/2 3/2\n");
   EXPECT_EQ(setup("path: 'b.obj' element_m: 0.2").shells.size(), 1u);
 }
