@@ -6,13 +6,15 @@ import json
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import BAD_INPUT, DONE, PEER_LOST, CommandError, how_it_ended
 from ..launch.build import ensure_built
-from ..report.gaps import Gap, gap_of_borders, gaps_of_edges
 from ..words import command_line
 from .parser import Subparsers, add_command, number_within
+
+if TYPE_CHECKING:
+    from ..report.gaps import Gap  # needs numpy, which a start does not
 
 NAME = "inspect"
 MOST_GAPS = 20  # that are listed
@@ -161,6 +163,7 @@ def mesh_report(told: dict[str, Any]) -> str:
 
 def gaps_in(told: dict[str, Any]) -> list[Gap] | None:
     """Finds where borders nearly meet; of a mesh the widest place only. None where there are too many borders."""
+    from ..report.gaps import gap_of_borders, gaps_of_edges
     if "charts" not in told:
         return gaps_of_edges(told["edges"]["list"], 0.5 * float(told["element_m"]))
     found = gap_of_borders(told["borders_m"])
@@ -179,6 +182,7 @@ def gap_lines(told: dict[str, Any]) -> list[str]:
         return lines + ([f"gap: {len(gaps) - MOST_GAPS} more"] if len(gaps) > MOST_GAPS else [])
     if not gaps:
         return []
+    from ..report.gaps import gap_of_borders
     count = (gap_of_borders(told["borders_m"]) or (0, None))[0]
     weld = f"{1.1 * gaps[0].width_m:.2g}"
     return [f"gap: beside {_count(count, 'point')} of a border runs another border, up to {gaps[0].width_m:.3g} m off at "
