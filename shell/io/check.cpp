@@ -42,11 +42,12 @@ double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::siz
   for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
     const Proxy body = setup.proxy(i);
     const double travel = setup.safety * step * body.top_speed();
-    scene.check(travel <= body.radius() + m.thickness,
+    scene.check(travel <= body.radius() + m.least_thickness(),
                 fmt::format("bodies[{}].{}", i, body.is_driven() ? "motion" : "twist"),
                 "moves '{}' {:.3g} m in a substep, further than it is wide: it would pass through shell '{}' unseen; "
                 "{}",
-                setup.bodies[i].name, travel, m.name, slow_down(travel, body.radius() + m.thickness, setup.safety));
+                setup.bodies[i].name, travel, m.name,
+                slow_down(travel, body.radius() + m.least_thickness(), setup.safety));
   }
   return step;
 }

@@ -23,9 +23,9 @@ Late late(const RigidBody& body, const ShellModel& shell) {
   if (const auto* ball = std::get_if<SphereShape>(&body.shape)) {
     const double r = ball->radius;
     const double depth = r > d ? r - std::sqrt(r * r - d * d) : r;
-    return {depth, depth > 0.5 * shell.thickness};
+    return {depth, depth > 0.5 * shell.least_thickness()};
   }
-  return {d, d > shell.thickness && half_sides(body)[0] < kBluntSides * d};
+  return {d, d > shell.least_thickness() && half_sides(body)[0] < kBluntSides * d};
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ void set_tips(const scene::LoadedScene& scene, ShellSetup& r) {
   scene.check(r.fracture.tips.tip_radius >= s.spacing, "fracture.tip_radius_m",
               "is {} m; a tip looks at the stress over at least one spacing, {:.3g} m", r.fracture.tips.tip_radius,
               s.spacing);
-  if (m.fracture().has_interlock_opening_m()) r.fracture.tips.faces.opening = m.fracture().interlock_opening_m();
+  if (m.fracture().has_interlock_opening_m()) r.fracture.tips.faces = {m.fracture().interlock_opening_m()};
   if (m.fracture().has_branch_ratio()) r.fracture.tips.branch_ratio = m.fracture().branch_ratio();
   if (m.fracture().has_interlock()) r.fracture.tips.interlock = m.fracture().interlock();
 }

@@ -40,7 +40,7 @@ CrackSurface crack_surface(const ShellModel& m, const ShellState& s) {
   r.resistance = crack_resistance(m, s), r.taken = s.cracks.taken;
   if (m.material.yield_stress > 0.0) return r;
   r.total = std::max(r.taken, r.resistance) / energy, r.subgrid = std::max(0.0, r.taken - r.resistance) / energy;
-  r.dust_size = std::min(m.thickness, 6.0 * m.material.youngs_modulus * energy / (strength * strength));
+  r.dust_size = std::min(m.largest_thickness(), 6.0 * m.material.youngs_modulus * energy / (strength * strength));
   r.dust_mass = m.material.density * r.subgrid * r.dust_size / 3.0;  // cubes of that size share 3 size^2 each
   return r;
 }

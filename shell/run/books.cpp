@@ -60,7 +60,7 @@ void Books::check_stable(Simulation& simulation, double energy, std::int64_t win
   // plus one shell element at a strain of 1e-3: the scene may start at rest
   double least = simulation.soft_energy(1e-3);
   for (const ShellSetup& s : simulation.model.setup.shells)
-    least += 5e-7 * s.model.material.youngs_modulus * s.model.thickness * s.model.spacing * s.model.spacing;
+    least += 5e-7 * s.model.material.youngs_modulus * s.model.largest_thickness() * s.model.spacing * s.model.spacing;
   const double most = kUnstableGain * (scale + std::abs(reference) + std::abs(sum(simulation).external) + least);
   if (!(std::abs(energy - reference) <= most)) unstable(energy - reference, window);
 }

@@ -35,8 +35,8 @@ bool passes(const Vec3& point, double reach, const Vec3& position, const Vec3& v
 std::int64_t rigid_window_ticks(const RunSetup& setup, const std::vector<Proxy>& bodies) {
   const auto most = static_cast<std::int64_t>(std::llround(setup.settle_window / setup.tick));
   if (setup.shells.empty() || most <= 1) return most;
-  double thickness = setup.shells[0].model.thickness;
-  for (const ShellSetup& s : setup.shells) thickness = std::min(thickness, s.model.thickness);
+  double thickness = setup.shells[0].model.least_thickness();
+  for (const ShellSetup& s : setup.shells) thickness = std::min(thickness, s.model.least_thickness());
   const double travel = kSettleTravel * thickness;
   double longest = setup.settle_window;
   for (std::size_t i = 0; i < bodies.size(); ++i) {

@@ -22,7 +22,7 @@ bool Pieces::impact_ahead(const ShellPart& part) const {
   for (std::size_t i = 0; i < setup_.bodies.size() && !box.isEmpty(); ++i) {
     const BodyMotion& b = state_.bodies[i].body.motion;
     if (state_.bodies[i].body.is_static) continue;
-    const double pad = state_.bodies[i].radius() + m.thickness;
+    const double pad = state_.bodies[i].radius() + m.largest_thickness();
     if (box.squaredExteriorDistance(b.position) <= pad * pad) {  // near: does it move along the shell?
       const double reach = pad + m.spacing + setup_.quiet_time * b.velocity.norm();
       for (int k = 0; k < m.control_points() && b.velocity.norm() > 0.0; ++k)
@@ -45,8 +45,10 @@ bool Pieces::strike_ahead(const std::vector<PartPieces>& now, const Group& g) co
   for (const auto& [k, i] : g.members) {
     const ShellModel& m = state_.shells[k].model();
     const ShellState& s = *state_.shells[k].state;
+    double thick = 0.0, counted = 0.0;  // factors of the thickness
     const auto count = [&](int point) {
       const int slot = m.tables.slot(point);
+      if (m.varies()) thick += m.thickness_of_slot[slot], counted += 1.0;
       points.push_back(s.position(slot)), box.extend(points.back());
       if (s.motion.inverse_mass[slot] > 0.0)
         mass += s.motion.mass[slot], momentum += s.motion.mass[slot] * s.velocity(slot);
@@ -55,8 +57,9 @@ bool Pieces::strike_ahead(const std::vector<PartPieces>& now, const Group& g) co
       for (int point = 0; point < m.control_points(); ++point) count(point);
     for (const int point : now[k].pieces[i].control_points) count(point);
     const double length = std::sqrt(now[k].pieces[i].area);
-    if (m.material.strength > 0.0) across += m.material.fracture_energy * m.thickness * length;
-    apart = std::max(apart, m.spacing + 0.5 * m.thickness);
+    const double thickness = counted > 0.0 ? thick / counted * m.thickness : m.thickness;
+    if (m.material.strength > 0.0) across += m.material.fracture_energy * thickness * length;
+    apart = std::max(apart, m.spacing + 0.5 * m.largest_thickness());
   }
   if (across == 0.0 || mass == 0.0) return false;
   const double time = setup_.latest_freeze - clock_.time();

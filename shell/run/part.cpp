@@ -65,7 +65,8 @@ double ShellPart::step_with_hertz(double step, const std::vector<Proxy>& proxies
     if (setup->hertz[i] == 0.0 || space.isEmpty()) continue;
     const Proxy& p = proxies[i];
     const double speed = p.body.motion.velocity.norm() + gravity.norm() * window + shell_speed;
-    if (space.exteriorDistance(p.body.motion.position) > p.radius() + m.thickness + 2.0 * speed * window) continue;
+    if (space.exteriorDistance(p.body.motion.position) > p.radius() + m.largest_thickness() + 2.0 * speed * window)
+      continue;
     // The contact stores the energy and returns it. The speed is rounded up to a power of two, since each change of the
     // step costs leapfrog some energy.
     if (speed > hertz_speed) hertz_speed = std::exp2(std::ceil(std::log2(speed)));

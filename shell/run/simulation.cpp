@@ -210,10 +210,10 @@ void Simulation::start_shells(const std::function<void()>& look) {
     for (const Proxy& p : state.bodies) {
       const double travel = setup_.safety * stable * p.top_speed();
       require(
-          travel <= p.radius() + m.thickness,
+          travel <= p.radius() + m.least_thickness(),
           "body '{}' moves {:.3g} m in a substep, further than it is wide: it would pass through shell '{}' unseen; "
           "{}",
-          p.body.name, travel, m.name, slow_down(travel, p.radius() + m.thickness, setup_.safety));
+          p.body.name, travel, m.name, slow_down(travel, p.radius() + m.least_thickness(), setup_.safety));
     }
     const double most = kMostOfStable * (cracks ? setup.cracked_step : 1.0) * stable;
     require(setup_.time_step <= most,

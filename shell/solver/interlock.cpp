@@ -28,11 +28,11 @@ Vec2 direction(const ShellState& s, const Interlock& lock) {
   return (e.b - e.a).normalized();
 }
 
-// Thickness at an edge [m].
+// Thickness at an edge [m]: the factor of a shell costs too much to be looked up in every substep, and the area has it.
 double thickness_at(const ShellModel& m, const ShellState& s, const Interlock& lock) {
   if (!m.varies()) return m.thickness;
   const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
-  return m.thickness_at(0.5 * (e.a + e.b));
+  return lock.area / (e.b - e.a).norm();
 }
 
 // The frame of a gap whose positions and tangents of the sides are known.
@@ -415,7 +415,8 @@ void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& 
   for (Interlock& lock : s.cracks.interlocks) {
     if (!lock.holds) continue;
     const double thickness = thickness_at(m, s, lock), length = lock.area / thickness;
-    if (!all && lock.sound && lock.opening <= law.opening && lock.height <= thickness && lock.along <= length) continue;
+    const double apart = law.opening + law.of_thickness * thickness;
+    if (!all && lock.sound && lock.opening <= apart && lock.height <= thickness && lock.along <= length) continue;
     lock.holds = false;
     const Gap gap = gap_of(m, s, lock);
     const double held = energy_of(m, gap, lock);

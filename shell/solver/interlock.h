@@ -7,10 +7,11 @@
 
 namespace sunder::shell {
 
-/// When faces are apart for good: opened by more than this at both points [m]. Faces that have slid past each other by
-/// more than the thickness, or along the edge by more than its length, are apart as well.
+/// When faces are apart for good: opened by more than `opening` [m] and `of_thickness` [tau, where they are] at both
+/// points. Faces that have slid past each other by more than the thickness, or along the edge by more than its length,
+/// are apart as well.
 struct InterlockLaw {
-  double opening = 0.0;
+  double opening = 0.0, of_thickness = 0.0;
 };
 
 /// Least depth over which pressed faces grow stiff [m]. They meet at their highest points first, so their stiffness

@@ -19,12 +19,12 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius, const Calibr
   r.process_length = e * g / (m.material.strength * m.material.strength);
   r.branch_angle = calibrated.branch_angle;
   r.branch_ratio = std::sqrt(m.material.branch_drive), r.branch_clearance = kClearance * l;
-  r.tip_clearance = std::max({kClearance * l, m.thickness, r.process_length});
-  r.parallel_clearance = std::max(kClearance * l, kParallelThickness * m.thickness);
+  r.tip_clearance = std::max({kClearance * l, m.largest_thickness(), r.process_length});
+  r.parallel_clearance = std::max(kClearance * l, kParallelThickness * m.largest_thickness());
   r.join = kJoinReach * l;
   r.turn = calibrated.most_turn;
   r.to_diagonal = calibrated.to_diagonal;
-  r.faces = {kInterlockOpening * m.thickness};
+  r.faces = {0.0, kInterlockOpening};
   return r;
 }
 

@@ -65,3 +65,17 @@ TEST(FeltLate, TellsSharpBodiesThatAreSmallAgainstTheDistance) {
   EXPECT_EQ(felt_late({shell}, {body(BoxShape{Vec3(1, 1, 2.1 * d)})}), "");
   EXPECT_EQ(felt_late({shell}, {body(HalfSpaceShape{})}), "");
 }
+
+TEST(FeltLate, LooksAtTheLeastThickness) {
+  const auto said = [](double thickness, const ThicknessFactor& factor) {
+    ShellSetup s{make_shell("p", plate(0.2, 0.2, 20, 20, Vec3::Zero(), Quat::Identity()), thickness, glass(), 2, 2, {},
+                            {}, {}, factor)};
+    s.hertz = {0.0};
+    return felt_late({s}, {body(SphereShape{0.007})});  // sinks by 1.3 mm
+  };
+  EXPECT_EQ(said(0.004, {}), "");
+  EXPECT_NE(said(0.002, {}), "");
+  EXPECT_NE(said(0.004, [](const Patch&, const Vec2&) { return 0.5; }), "");
+  EXPECT_EQ(said(0.002, [](const Patch&, const Vec2&) { return 2.0; }), "");
+  EXPECT_NE(said(0.004, [](const Patch&, const Vec2& p) { return p.x() < 0.1 ? 1.0 : 0.5; }), "");
+}

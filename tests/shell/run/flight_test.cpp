@@ -92,3 +92,19 @@ TEST(Passes, WhereTheStraightPathComesNearInTime) {
   EXPECT_TRUE(passes(point, 0.31, Vec3(0.2, 0, 0.2), -down, 9.0));  // it is there
   EXPECT_TRUE(passes(point, 0.31, Vec3(0.2, 0, 0.2), Vec3::Zero(), 9.0));
 }
+
+TEST(SettleWindow, IsThatOfTheLeastThickness) {
+  RunSetup s = settling();
+  const Vec3 right(1, 0, 0);
+  const std::vector<Proxy> bodies{ball(Vec3::Zero(), 0.4 * right), ball(Vec3(0.03, 0, 0), -0.6 * right)};
+  const auto shell = [](double thickness, const ThicknessFactor& factor) {
+    return make_shell("p", plate(0.2, 0.2, 4, 4, Vec3::Zero(), Quat::Identity()), thickness, glass(), 2, 2, {}, {}, {},
+                      factor);
+  };
+  s.shells[0].model = shell(0.008, {});
+  EXPECT_EQ(rigid_window_ticks(s, bodies), 10);
+  s.shells[0].model = shell(0.004, [](const Patch&, const Vec2&) { return 2.0; });
+  EXPECT_EQ(rigid_window_ticks(s, bodies), 10);
+  s.shells[0].model = shell(0.008, [](const Patch&, const Vec2& p) { return p.x() < 0.1 ? 1.0 : 0.5; });
+  EXPECT_EQ(rigid_window_ticks(s, bodies), 5);
+}

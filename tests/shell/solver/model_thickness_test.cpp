@@ -10,6 +10,7 @@
 #include "shell/mechanics/section_state.h"
 #include "shell/solver/contact/rigid_contact.h"
 #include "shell/solver/cracking/crack_cost.h"
+#include "shell/solver/cracking/crack_rules.h"
 #include "shell/solver/cracking/energy_release.h"
 #include "shell/solver/parting/handoff.h"
 #include "shell/solver/statics/modes.h"
@@ -92,6 +93,33 @@ TEST(VaryingThickness, OfOneFactorIsThatThickness) {
         }
         EXPECT_NEAR(whole_mass(factor) / whole_mass(whole), 1.0, 1e-14);
       }
+}
+
+TEST(VaryingThickness, OfOneFactorGivesTheRulesOfThatThickness) {
+  ShellMaterial brittle = glass();
+  brittle.strength = 6e8, brittle.fracture_energy = 8.0;  // so that the thickness decides
+  const Patch p = plate(0.2, 0.2, 100, 100, Vec3::Zero(), Quat::Identity());
+  const ShellModel whole = make_shell("p", p, 0.006, brittle, 2, 2, {}),
+                   factor = make_shell("p", p, 0.004, brittle, 2, 2, {}, {}, {}, everywhere(1.5));
+  const CrackRules a = make_crack_rules(whole, 0.0), b = make_crack_rules(factor, 0.0);
+  EXPECT_NEAR(a.tip_clearance, 0.006, 1e-15);
+  EXPECT_NEAR(b.tip_clearance, a.tip_clearance, 1e-15);
+  EXPECT_NEAR(a.parallel_clearance, kParallelThickness * 0.006, 1e-15);
+  EXPECT_NEAR(b.parallel_clearance, a.parallel_clearance, 1e-15);
+  // faces are apart at the same opening
+  const auto holding = [](const ShellModel& m, const InterlockLaw& law, double opening) {
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    const int from = s.cracks.graph.add_vertex({0.05, 0.15}), to = s.cracks.graph.add_vertex({0.051, 0.1501});
+    insert_edge(m, s, from, to, s.cracks.graph.new_crack(), 0.0, 1, true);
+    s.cracks.interlocks.at(0).opening = opening;
+    release_interlocks(m, s, law, false);
+    return s.cracks.interlocks[0].holds;
+  };
+  const double apart = kInterlockOpening * 0.006;
+  for (const double share : {0.99, 1.01}) {
+    EXPECT_EQ(holding(whole, a.faces, share * apart), share < 1.0);
+    EXPECT_EQ(holding(factor, b.faces, share * apart), share < 1.0);
+  }
 }
 
 // A point that a crack has touched has functions of its own; far from the crack they are those of the rows.
