@@ -86,9 +86,10 @@ void fill_lane(const ShellModel& m, const ReleaseLook& look, const std::array<Ve
     if (!m.varies()) continue;
     const Vec2 at = look.tip + p.offset, step(kTaperStep * m.spacing_u, kTaperStep * m.spacing_v);
     const auto change = [&](int d) {
-      const Vec2 way = d == 0 ? Vec2(step.x(), 0.0) : Vec2(0.0, step.y());
-      return (m.thickness_at(Vec2(at + way)) - m.thickness_at(Vec2(at - way))) /
-             (2.0 * step[d] * m.thickness * p.thick);
+      const KnotVector& knots = d == 0 ? m.patch.knots_u : m.patch.knots_v;
+      Vec2 before = at, after = at;  // beyond the border there is no thickness
+      before[d] = std::max(at[d] - step[d], knots.begin()), after[d] = std::min(at[d] + step[d], knots.end());
+      return (m.thickness_at(after) - m.thickness_at(before)) / ((after[d] - before[d]) * m.thickness * p.thick);
     };
     pack.taper[k][lane] = pack.along[k].u[lane] * change(0) + pack.along[k].v[lane] * change(1);
   }

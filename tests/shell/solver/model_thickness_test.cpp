@@ -266,6 +266,31 @@ TEST(VaryingThickness, GivesTheEnergyReleaseOfThatThickness) {
   EXPECT_LT(std::abs(pulled(along_u(1.5, 0.5, 0.2), 0.004, false)), 0.01 * stored);
 }
 
+// The same of a wedge that edge moments bend: its curvature changes as the thickness to the power -3.
+TEST(VaryingThickness, OfABentWedgeReleasesNothingWithoutACrack) {
+  Support hold;
+  hold.edges = kUMin;
+  Load bend;
+  bend.kind = Load::Kind::kEdgeMoment, bend.edges = kUMax, bend.size = 1.0;
+  const auto released = [&](double first, double last, int n) {
+    const ShellModel m = make_shell("p", plate(0.2, 0.2, n, n, Vec3(0.1, 0.1, 0), Quat::Identity()), 0.004, glass(), 2,
+                                    2, {hold}, {bend}, {}, along_u(first, last, 0.2));
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    RelaxationRules rules;
+    rules.tolerance = 1e-9;
+    EXPECT_TRUE(relax(m, s, rules).converged);
+    return energy_release_at(m, s, {Vec2(0.1, 0.1), Vec2(1, 0), 0.02, 0.06}).x();
+  };
+  const double stiffness = 70e9 * std::pow(0.004, 3) / 12.0 / (1.0 - 0.22 * 0.22);
+  const double stored = 1.0 / stiffness * 0.06 / 0.004;  // twice the density of energy over the ring's radius
+  EXPECT_LT(std::abs(released(1.0, 1.0 + 1e-12, 20)), 1e-3 * stored);
+  for (const double root : {1.5, 0.5}) {  // the term of the bending energy alone is 0.6 of it
+    const double coarse = std::abs(released(root, 2.0 - root, 20)), fine = std::abs(released(root, 2.0 - root, 40));
+    EXPECT_LT(fine, 0.005 * stored) << root;
+    EXPECT_LT(fine, 0.5 * coarse) << root;
+  }
+}
+
 TEST(VaryingThickness, IsThatOfPiecesThatLeave) {
   ShellMaterial brittle = glass();
   brittle.strength = 6e7, brittle.fracture_energy = 8.0;
