@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/QR>
+
 #include "shell/fracture/constants.h"
 
 namespace sunder::shell {
@@ -15,8 +17,24 @@ bool is_torn(const PieceSurface& surface, double apart, double at_rest, double t
   return apart > surface.torn * at_rest + thickness;
 }
 
-// The direction in which the surface over a box turns more, 0 or 1; the longer one where it turns alike or is no
-// number.
+// Tests whether half the thickness is a linear function of the place in the mean plane, to `most` [m].
+bool tapers_evenly(const std::vector<Faces>& faces, const Vec3& normal, double most) {
+  const Vec3 along = normal.unitOrthogonal(), across = normal.cross(along), centre = faces[0].middle();
+  Eigen::MatrixX3d place(faces.size(), 3);
+  Eigen::VectorXd half(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const Vec3 x = faces[i].middle() - centre;
+    place.row(i) << 1.0, along.dot(x), across.dot(x);
+    half[i] = 0.5 * (faces[i].high - faces[i].low).norm();
+  }
+  if (!place.allFinite() || !half.allFinite()) return false;
+  const Vec3 fit = place.completeOrthogonalDecomposition().solve(half);
+  const Eigen::VectorXd off = half - place * fit;
+  return off.maxCoeff() - off.minCoeff() <= most;
+}
+
+// The direction in which the surface over a box turns more, 0 or 1, or in which a face of a sheet whose thickness
+// varies does; the longer one where it turns alike or is no number.
 int bent_along(const ShellModel& m, const PieceSurface& surface, const Eigen::AlignedBox2d& box) {
   constexpr int kSections = 4;  // a ring turns as much, though its two ends look alike
   constexpr double kMore = 1e-6;
@@ -25,10 +43,16 @@ int bent_along(const ShellModel& m, const PieceSurface& surface, const Eigen::Al
     Vec2 at = box.center();
     at[d] = box.min()[d];
     Vec3 before = surface.at(at).normal;
+    double thickness[2] = {m.thickness_at(at), 0.0}, slope = 0.0;  // half of the thickness is on either side
     for (int k = 1; k <= kSections; ++k) {
       at[d] = box.min()[d] + box.sizes()[d] * k / kSections;
       const Vec3 normal = surface.at(at).normal;
       bend[d] += (normal - before).norm(), before = normal;
+      if (!m.varies()) continue;
+      thickness[1] = m.thickness_at(at);
+      const double now = 0.5 * (thickness[1] - thickness[0]) * kSections / box.sizes()[d];
+      if (k > 1) bend[d] += std::abs(now - slope);
+      slope = now, thickness[0] = thickness[1];
     }
   }
   const int longer = box.sizes().y() > box.sizes().x() ? 1 : 0;
@@ -96,10 +120,10 @@ bool is_flat(const ShellModel& m, const PieceSurface& surface, const Polygon& po
   }
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const std::size_t j = (i + 1) % polygon.size();
-    if (is_torn(surface, (faces[i].low - faces[j].low).norm(), (polygon[i] - polygon[j]).norm(), m.thickness))
+    if (is_torn(surface, (faces[i].low - faces[j].low).norm(), (polygon[i] - polygon[j]).norm(), m.largest_thickness()))
       return false;
   }
-  return high - low <= most;
+  return high - low <= most && (!m.varies() || tapers_evenly(faces, normal, most));
 }
 
 // Convex parts that are flat to `most` [m]; no more of them than `enough`, and one, are made.
@@ -123,8 +147,8 @@ std::vector<std::vector<Vec3>> flat_parts(const ShellModel& m, const PieceSurfac
     for (const Vec2& p : polygon) {
       const Faces f = surface.at(p);
       whole = whole && f.finite() &&
-              (corners.empty() ||
-               !is_torn(surface, (f.low - corners[corners.size() - 2]).norm(), box.diagonal().norm(), m.thickness));
+              (corners.empty() || !is_torn(surface, (f.low - corners[corners.size() - 2]).norm(), box.diagonal().norm(),
+                                           m.largest_thickness()));
       if (corners.size() >= 4) {
         const Vec3 first = 0.5 * (corners[0] + corners[1]), last = 0.5 * (corners.end()[-2] + corners.end()[-1]);
         twice += (last - first).cross(f.middle() - first);
@@ -139,28 +163,39 @@ std::vector<std::vector<Vec3>> flat_parts(const ShellModel& m, const PieceSurfac
 
 }  // namespace
 
-bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, double most) {
+double least_thickness_of(const ShellModel& m, const Triangulation& t, int piece) {
+  if (!m.varies()) return m.thickness;
+  double least = std::numeric_limits<double>::infinity();
+  for (const int i : t.triangles_of(piece))
+    for (const int v : t.triangles[i]) least = std::min(least, m.thickness_at(t.vertices[v]));
+  return std::isfinite(least) ? least : m.least_thickness();
+}
+
+bool is_bent(const ShellModel& m, const PieceSurface& surface, const Triangulation& t, int piece, double most) {
   std::vector<char> seen(t.vertices.size(), 0);
   Vec3 normal = Vec3::Zero(), centre = Vec3::Zero();
   std::vector<Vec3> middles;
+  std::vector<Faces> faces;  // where the thickness varies
   for (const int i : t.triangles_of(piece))
     for (const int v : t.triangles[i]) {
       if (seen[v]) continue;
       seen[v] = 1;
       const Faces f = surface.at(t.vertices[v]);
       middles.push_back(f.middle());
+      if (m.varies()) faces.push_back(f);
       normal += f.normal, centre += middles.back();
     }
   if (middles.empty()) return false;
   if (turns_round(normal, middles.size())) return true;
   normal.normalize(), centre /= static_cast<double>(middles.size());
+  if (m.varies() && !tapers_evenly(faces, normal, most)) return true;
   return std::any_of(middles.begin(), middles.end(),
                      [&](const Vec3& x) { return !(std::abs(normal.dot(x - centre)) <= most); });
 }
 
-void add_flat_parts(const ShellModel& m, const PieceSurface& surface, const Outline& outline, ConvexShape& shape) {
+void add_flat_parts(const ShellModel& m, const PieceSurface& surface, const Outline& outline, double most,
+                    ConvexShape& shape) {
   const std::vector<Polygon> whole = convex_parts(outline, kPartTolerance * m.spacing * m.spacing);
-  double most = kBentPiece * m.thickness;
   const std::size_t enough = std::max(kMostFlatParts, 4 * whole.size());
   std::vector<std::vector<Vec3>> parts = flat_parts(m, surface, whole, most, enough);
   for (int k = 0; k < kDoublings && parts.size() > enough; ++k) {
@@ -224,7 +259,8 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
     low = to_body * (q.x - n - centre), high = to_body * (q.x + n - centre);
   };
   const std::size_t before = shape.parts.size();
-  if (is_bent(rest, t, piece, kBentPiece * m.thickness)) add_flat_parts(m, rest, outline, shape);
+  const double thickness = least_thickness_of(m, t, piece), most = kBentPiece * thickness;
+  if (is_bent(m, rest, t, piece, most)) add_flat_parts(m, rest, outline, most, shape);
   if (shape.parts.size() == before)  // flat
     for (const auto& polygon : convex_parts(outline, kPartTolerance * m.spacing * m.spacing)) {
       auto& corners = shape.parts.emplace_back();
@@ -233,8 +269,8 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
         faces(p, corners[corners.size() - 2], corners.back());
       }
     }
-  if (is_bent(rest, t, piece, kDrawnFlat * m.thickness))
-    return add_rest(m, draw_prisms(rest, t, piece, m.thickness, drawn), drawn);
+  if (is_bent(m, rest, t, piece, kDrawnFlat * thickness))
+    return add_rest(m, draw_prisms(rest, t, piece, m.largest_thickness(), drawn), drawn);
   const int first = static_cast<int>(drawn.points.size());
   for (const Vec2& p : outline.vertices) {
     drawn.points.emplace_back(), drawn.points.emplace_back();

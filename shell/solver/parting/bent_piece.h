@@ -30,13 +30,19 @@ struct PieceSurface {
   double torn;
 };
 
-/// Tells whether a vertex of a piece is further than `most` [m] off the mean plane of all of them.
-bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, double most);
+/// The thickness [m] that tells what is flat on a piece: its least one.
+double least_thickness_of(const ShellModel& model, const Triangulation& t, int piece);
 
-/// Appends convex parts: those of the outline, halved until each lies between two planes kBentPiece apart. A part no
-/// larger than half a spacing is taken as it is, and left out where it is torn or has no volume. Many parts make
-/// contact slow: where there are more than kMostFlatParts, the planes are twice as far apart, and so on.
-void add_flat_parts(const ShellModel& model, const PieceSurface& surface, const Outline& outline, ConvexShape& shape);
+/// Tells whether a vertex of a piece is further than `most` [m] off the mean plane of all of them. Where the thickness
+/// varies, its half must also be linear to `most`: faces that have a kink or a curve are bent.
+bool is_bent(const ShellModel& model, const PieceSurface& surface, const Triangulation& t, int piece, double most);
+
+/// Appends convex parts: those of the outline, halved until each lies between two planes `most` [m] apart, and half of
+/// its thickness is linear to `most`. A part no larger than half a spacing is taken as it is, and left out where it is
+/// torn or has no volume. Many parts make contact slow: where there are more than kMostFlatParts, the planes are twice
+/// as far apart, and so on.
+void add_flat_parts(const ShellModel& model, const PieceSurface& surface, const Outline& outline, double most,
+                    ConvexShape& shape);
 
 /// Draws a prism for each triangle of a piece. Prisms of one piece share their corners and have no walls between them.
 /// Returns the parameter [m] of each pair of new points.

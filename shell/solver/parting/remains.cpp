@@ -44,9 +44,10 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
       for (int i = 0; i < m.control_points() && p.control_points.empty(); ++i)  // a splinter on an interlayer
         if (!s.motion.detached[m.tables.slot(i)]) slots.push_back(m.tables.slot(i));
       out.area += p.area;
-      if (is_bent(present, t, p.number, kBentPiece * m.thickness)) {
-        add_flat_parts(m, present, outline_of(t, p.number), shape);
-        add_rest(m, draw_prisms(present, t, p.number, m.thickness, out.drawn), out.drawn);
+      const double most = kBentPiece * least_thickness_of(m, t, p.number);
+      if (is_bent(m, present, t, p.number, most)) {
+        add_flat_parts(m, present, outline_of(t, p.number), most, shape);
+        add_rest(m, draw_prisms(present, t, p.number, m.largest_thickness(), out.drawn), out.drawn);
         continue;
       }
       Mat3 rotation;

@@ -291,6 +291,51 @@ TEST(VaryingThickness, OfABentWedgeReleasesNothingWithoutACrack) {
   }
 }
 
+// Thin at both ends of the piece and thick in its middle, which its outline does not see, or thin there.
+TEST(VaryingThickness, WithAKinkIsThatOfPiecesThatLeave) {
+  ShellMaterial brittle = glass();
+  brittle.strength = 6e7, brittle.fracture_energy = 8.0;
+  for (const bool ridge : {true, false}) {
+    const auto kinked = [ridge](const Patch&, const Vec2& p) {
+      const double off = std::min(std::abs(p.x() - 0.1) / 0.05, 1.0);  // 1 at the ends of the piece
+      return ridge ? 2.0 - 1.5 * off : 0.5 + 1.5 * off;
+    };
+    const ShellModel m = make_shell("p", plate(0.2, 0.2, 20, 20, Vec3(0.1, 0.1, 0), Quat::Identity()), 0.004, brittle,
+                                    2, 2, {}, {}, {}, kinked);
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    insert_polyline(m, s, {{0.05, 0.05}, {0.15, 0.05}, {0.15, 0.15}, {0.05, 0.15}, {0.05, 0.05}}, 0.0);
+    compute_forces(m, s, false, 0.0, 1);
+    std::vector<Piece> pieces;
+    const Triangulation t = partition(m, s, pieces);
+    ASSERT_EQ(t.pieces, 2);
+    const Piece& piece = pieces[0].area < pieces[1].area ? pieces[0] : pieces[1];
+    const Handoff h = hand_off(m, s, t, piece, 7, 0.0);
+    const double volume = 0.1 * 0.1 * 0.005;  // 1.25 of the thickness in the mean
+    EXPECT_NEAR(h.body.mass / (2500 * volume), 1.0, 2e-3) << ridge;
+    double parts = 0.0, most_off = 0.0;  // volume of the parts, of prisms; how far corners are off the law [m]
+    for (const auto& corners : std::get<ConvexShape>(h.body.shape).parts) {
+      std::vector<Vec3> middle;
+      double thick = 0.0, area = 0.0;
+      for (std::size_t k = 0; k + 1 < corners.size(); k += 2) {
+        middle.push_back(0.5 * (corners[k] + corners[k + 1]));
+        const double own = (corners[k + 1] - corners[k]).norm();
+        thick += own;
+        const double u = (h.body.motion.position + h.body.motion.orientation * middle.back()).x();
+        most_off = std::max(most_off, std::abs(own - 0.004 * kinked(m.patch, Vec2(u, 0.1))));
+      }
+      for (std::size_t k = 1; k + 1 < middle.size(); ++k)
+        area += 0.5 * (middle[k] - middle[0]).cross(middle[k + 1] - middle[0]).norm();
+      parts += area * thick / static_cast<double>(middle.size());
+    }
+    EXPECT_NEAR(parts / volume, 1.0, 0.1) << ridge;
+    EXPECT_LT(most_off, 1e-9) << ridge;
+    double drawn = 0.0;  // by the divergence theorem
+    for (const auto& c : h.drawn.triangles)
+      drawn += h.drawn.points[c[0]].dot(h.drawn.points[c[1]].cross(h.drawn.points[c[2]])) / 6.0;
+    EXPECT_NEAR(drawn / volume, 1.0, 2e-3) << ridge;
+  }
+}
+
 TEST(VaryingThickness, IsThatOfPiecesThatLeave) {
   ShellMaterial brittle = glass();
   brittle.strength = 6e7, brittle.fracture_energy = 8.0;
