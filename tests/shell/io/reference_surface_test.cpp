@@ -27,6 +27,13 @@ double radius_off(const Patch& p, double radius) {
   return most;
 }
 
+// 1 where u x v points away from the axis, or from the origin where there is none; else -1.
+double outwards(const Patch& p, const Vec3& axis) {
+  const SurfacePoint s =
+      p.evaluate({0.5 * (p.knots_u.begin() + p.knots_u.end()), 0.5 * (p.knots_v.begin() + p.knots_v.end())});
+  return s.u.cross(s.v).dot(s.x - axis * axis.dot(s.x)) > 0.0 ? 1.0 : -1.0;
+}
+
 }  // namespace
 
 TEST(ReferenceSurface, OfACylinderASphereAndAPlaneIsExact) {
@@ -34,13 +41,13 @@ TEST(ReferenceSurface, OfACylinderASphereAndAPlaneIsExact) {
     const Patch c = cylinder(0.2, 0.3, 1.5, 6, 4, degree);
     const Patch moved = offset_patch(
         c, [](const Vec2&) { return 0.01; }, 1e-12);
-    const double out = std::min(radius_off(moved, 0.21), radius_off(moved, 0.19));
-    EXPECT_LT(out, 1e-13);
+    const double side = outwards(c, Vec3(0, 0, 1));
+    EXPECT_LT(radius_off(moved, 0.2 + side * 0.01), 1e-13);
     const Patch s = sphere(0.2, 1.2, 0.7, 1.4, 5, 5, degree);
     const Patch shell = offset_patch(
         s, [](const Vec2&) { return -0.01; }, 1e-12);
     const double r = shell.evaluate({0.5 * shell.knots_u.end(), 0.5 * shell.knots_v.end()}).x.norm();
-    EXPECT_LT(std::min(std::abs(r - 0.19), std::abs(r - 0.21)), 1e-13);
+    EXPECT_LT(std::abs(r - (0.2 - outwards(s, Vec3::Zero()) * 0.01)), 1e-13);
   }
   const Patch flat = plate(0.3, 0.2, 3, 4, Vec3::Zero(), Quat::Identity());
   const Patch up = offset_patch(
@@ -91,17 +98,19 @@ TEST_F(ReferenceScene, OfAMeshIsHalfAThicknessWithin) {
     return Vec3(std::sin(a), std::sin(b) * std::cos(a), std::cos(a) * std::cos(b));  // a part of the unit sphere
   });
   write("a.obj", bowl);
+  double away = 0.0;  // of the normal
   const auto radius = [&](const std::string& in_shell) {
     const ShellModel m = setup("path: 'a.obj' element_m: 0.05", in_shell).shells[0].model;
+    away = outwards(m.patch, Vec3::Zero());
     return m.patch.evaluate({0.5 * m.patch.knots_u.end(), 0.5 * m.patch.knots_v.end()}).x.norm();
   };
   const double given = radius(""), outside = radius("reference: OUTSIDE"), inside = radius("reference: INSIDE");
-  EXPECT_NEAR(std::abs(outside - given), 0.005, 1e-5);
+  EXPECT_NEAR(away * (given - outside), 0.005, 1e-5);  // inwards of the face on the side of the normal
   EXPECT_NEAR(outside + inside, 2.0 * given, 1e-5);
   const double thin = radius(
       "reference: OUTSIDE thickness_law { along: X points { at_m: -1 factor: 0.2 } "
       "points { at_m: 1 factor: 0.2 } }");
-  EXPECT_NEAR(std::abs(thin - given), 0.001, 1e-5);
+  EXPECT_NEAR(away * (given - thin), 0.001, 1e-5);
 }
 
 TEST_F(ReferenceScene, OfAPatchMovesItsModel) {
