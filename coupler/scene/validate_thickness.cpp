@@ -31,6 +31,15 @@ void validate_thickness(const LoadedScene& s, const std::string& f, const proto:
           "cannot go with an interlayer: plies and film would each need a law of their own; leave one of them out");
   s.check(!shell.has_fibres(), own, "cannot go with fibres, which are as long as one thickness; leave one of them out");
   if (law) thickness_law(s, f + ".thickness_law", shell.thickness_law());
+  // points of a file are moved before they have parameters
+  const bool moved = shell.has_mesh() && shell.reference() != proto::Shell::MIDDLE;
+  s.check(!moved || !law || shell.thickness_law().along() >= proto::ThicknessLaw::X, f + ".thickness_law.along",
+          "is {}, and reference moves the points of a mesh before they have parameters; take X, Y or Z, or leave "
+          "reference out",
+          proto::ThicknessLaw::Along_Name(shell.thickness_law().along()));
+  s.check(!moved || !map, f + ".thickness_map",
+          "is given, and reference moves the points of a mesh before they have parameters; give thickness_paint or a "
+          "thickness_law along X, Y or Z, or leave reference out");
   if (map) {
     const proto::ThicknessMap& m = shell.thickness_map();
     const std::string field = f + ".thickness_map";

@@ -85,10 +85,9 @@ ThicknessFactor thickness_factors(const scene::LoadedScene& scene, const proto::
   };
 }
 
-double law_factor(const proto::ThicknessLaw& law, const Vec3& place, const Vec2& parameter) {
-  const Law own = law_of(law);
-  return own.at(law.along() < proto::ThicknessLaw::X ? parameter[law.along() - proto::ThicknessLaw::U]
-                                                     : place[law.along() - proto::ThicknessLaw::X]);
+double law_factor(const proto::ThicknessLaw& law, const Vec3& place) {
+  ensure(law.along() >= proto::ThicknessLaw::X, "a thickness_law along a parameter has no factor in space");
+  return law_of(law).at(place[law.along() - proto::ThicknessLaw::X]);
 }
 
 void check_thickness(const scene::LoadedScene& scene, const RowTables& t, const Patch& patch,

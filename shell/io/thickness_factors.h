@@ -14,8 +14,8 @@ namespace sunder::shell {
 ThicknessFactor thickness_factors(const scene::LoadedScene& scene, const proto::Shell& shell, const Patch& patch,
                                   const std::string& field, const Paint* paint);
 
-/// The factor of a law at a place in the world; `parameter` is for a law along U or V.
-double law_factor(const proto::ThicknessLaw& law, const Vec3& place, const Vec2& parameter = Vec2::Zero());
+/// The factor of a law along X, Y or Z at a place in the world.
+double law_factor(const proto::ThicknessLaw& law, const Vec3& place);
 
 /// Throws Error where the product is out of bounds at a Gauss point.
 void check_thickness(const scene::LoadedScene& scene, const RowTables& tables, const Patch& patch,

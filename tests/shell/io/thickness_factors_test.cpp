@@ -137,3 +137,30 @@ TEST_F(VaryingScene, ALawInSpaceGoesOverCharts) {
 }
 
 }  // namespace
+// Points of a mesh are moved before they have parameters, so a law along U would have one factor for all.
+TEST_F(VaryingScene, OfAMeshWhoseFaceIsGivenIsInSpace) {
+  write("a.obj", lattice(20, 10, false, [](double u, double v) { return Vec3(u, 0.5 * v, 0.0); }));
+  write(
+      "map.pgm", std::string("P2 20 10 255\n") + [] {
+        std::string out;
+        for (int k = 0; k < 200; ++k) out += "0 ";
+        return out;
+      }());
+  const std::string mesh = "path: 'a.obj' element_m: 0.05";
+  const auto law = [](const std::string& along) {
+    return "thickness_law { along: " + along + " points { factor: 1 } points { at_m: 1 factor: 0.5 } } ";
+  };
+  for (const std::string along : {"U", "V"}) {
+    EXPECT_EQ(setup(mesh, law(along)).shells.size(), 1u);
+    for (const std::string face : {"OUTSIDE", "INSIDE"}) {
+      const std::string said = refusal(mesh, law(along) + "reference: " + face);
+      expect_part(said, "shells[0].thickness_law.along: is " + along);
+      expect_part(said, "take X, Y or Z");
+    }
+  }
+  const Patch p = setup(mesh, law("X") + "reference: OUTSIDE").shells[0].model.patch;
+  for (const Vec3& x : p.control_points)
+    EXPECT_NEAR(std::abs(x.z()), 0.005 * (1.0 - 0.5 * x.x()), 1e-4) << x.transpose();
+  expect_part(refusal(mesh, "thickness_map { path: 'map.pgm' low_factor: 1 } reference: INSIDE"), "thickness_paint");
+}
+
