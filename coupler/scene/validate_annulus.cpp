@@ -67,6 +67,10 @@ void validate_annulus(const LoadedScene& s, const std::string& f, const proto::S
   refuse(shell.strength_regions_size() > 0, "strength_regions", "leave them out");
   refuse(shell.has_strength_map(), "strength_map", "leave it out");
   refuse(shell.has_thickness_map(), "thickness_map", "leave it out, or give a thickness_law");
+  s.check(shell.thickness_law().along() != proto::ThicknessLaw::U || (m.has_angle_deg() && m.angle_deg() <= kOneSector),
+          f + ".thickness_law.along",
+          "is U, which begins anew in each sector of a ring; take X, Y or Z, or give angle_deg of at most {:.0f}",
+          kOneSector);
   refuse(shell.strength_lines_size() > 0, "strength_lines",
          "leave them out, or give strength_lines of the scene, in space");
 }

@@ -121,7 +121,7 @@ Patch given_patch(const scene::LoadedScene& scene, const proto::Shell& s, const 
 Patch middle_of(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, const Patch& given) {
   if (s.reference() == proto::Shell::MIDDLE || s.has_mesh()) return given;
   const Patch lengths = with_parameters_as_lengths(given);
-  const ThicknessFactor factor = thickness_factors(scene, s, lengths, field, nullptr);
+  const ThicknessFactor factor = thickness_factors(scene, s, lengths, field, nullptr, false);
   const auto scaled = [](const KnotVector& from, const KnotVector& to, double x) {
     return to.begin() + (x - from.begin()) * (to.end() - to.begin()) / (from.end() - from.begin());
   };

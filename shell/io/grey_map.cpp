@@ -36,19 +36,19 @@ std::string sizes_that_do(double width, double height, double aspect) {
 
 }  // namespace
 
-GreyImage read_grey_map(const scene::LoadedScene& scene, const std::string& given, const Vec2& size,
+GreyImage read_grey_map(const scene::LoadedScene& scene, const std::string& given, const std::optional<Vec2>& size,
                         const std::string& field) {
   const std::string path = scene.file_beside(field + ".path", given);
-  const double aspect = size.x() / size.y();
   try {
     const auto accept = [&](double width, double height) {
+      const double aspect = size ? size->x() / size->y() : width / height;
       const bool good = std::min(width, height) >= kFewestPixels && std::max(width, height) <= kMostPixels;
       require(good, "has {} x {} pixels, and an image has {} to {} a side: {}", width, height, kFewestPixels,
               kMostPixels, sizes_that_do(width, height, aspect));
       require(std::abs(width / height / aspect - 1.0) <= kDistortion,
               "has {} x {} pixels, but the parameter domain is {:.4g} m x {:.4g} m, and the shapes may differ by 2 %: "
               "{}",
-              width, height, size.x(), size.y(), sizes_that_do(width, height, aspect));
+              width, height, size ? size->x() : width, size ? size->y() : height, sizes_that_do(width, height, aspect));
     };
     return is_png(path) ? read_png(path, accept) : read_pgm(path, accept);
   } catch (const Error& e) {

@@ -1,5 +1,6 @@
 #pragma once
 // Grey images over the parameter domain of a patch.
+#include <optional>
 #include <string>
 
 #include "coupler/scene/load.h"
@@ -7,9 +8,9 @@
 
 namespace sunder::shell {
 
-/// Reads the image `path` beside the scene, over a domain of `size` [m]. `field` is that of the map. Throws Error where
-/// it cannot be read, or its width over height is not that of the domain within 2 %.
-GreyImage read_grey_map(const scene::LoadedScene& scene, const std::string& path, const Vec2& size,
+/// Reads the image `path` beside the scene, over a domain of `size` [m]; none: of any shape. `field` is that of the
+/// map. Throws Error where it cannot be read, or its width over height is not that of the domain within 2 %.
+GreyImage read_grey_map(const scene::LoadedScene& scene, const std::string& path, const std::optional<Vec2>& size,
                         const std::string& field);
 
 }  // namespace sunder::shell

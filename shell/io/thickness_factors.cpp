@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "coupler/scene/checks.h"
+#include "shell/geometry/builders.h"
 #include "shell/io/grey_map.h"
+#include "shell/io/ring_sectors.h"
 
 namespace sunder::shell {
 namespace {
@@ -41,16 +43,24 @@ Law law_of(const proto::ThicknessLaw& m) {
 Vec2 low_of(const Patch& p) { return {p.knots_u.begin(), p.knots_v.begin()}; }
 Vec2 size_of(const Patch& p) { return Vec2(p.knots_u.end(), p.knots_v.end()) - low_of(p); }
 
-// A law whose points all lie beyond one side of the shell has one factor there, which nobody writes on purpose.
-void check_reach(const scene::LoadedScene& scene, const Law& law, const Patch& patch, const std::string& field) {
+// A law whose points all lie beyond one side of the shell has one factor there, which nobody writes on purpose. Of a
+// ring, some sectors may lie beyond the law.
+void check_reach(const scene::LoadedScene& scene, const proto::Shell& s, const Law& law, const Patch& own,
+                 const std::string& field) {
   constexpr int kLooks = 32;  // along each side
+  std::vector<Patch> patches{own};
+  for (int k = 0; k < (s.has_annulus() ? ring_sectors(s.annulus()) : 0); ++k)
+    patches.push_back(with_parameters_as_lengths(placed(ring_sector(s.annulus(), k, scene::patch_degree(s)),
+                                                        scene::to_vec(s.annulus().pose().position()),
+                                                        scene::to_quat(s.annulus().pose()))));
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (int i = 0; i <= kLooks; ++i)
-    for (int j = 0; j <= kLooks; ++j) {
-      const Vec2 p = low_of(patch) + size_of(patch).cwiseProduct(Vec2(i, j) / kLooks);
-      const double x = law.coordinate(patch, p);
-      low = std::min(low, x), high = std::max(high, x);
-    }
+  for (const Patch& patch : patches)
+    for (int i = 0; i <= kLooks; ++i)
+      for (int j = 0; j <= kLooks; ++j) {
+        const Vec2 p = low_of(patch) + size_of(patch).cwiseProduct(Vec2(i, j) / kLooks);
+        const double x = law.coordinate(patch, p);
+        low = std::min(low, x), high = std::max(high, x);
+      }
   scene.check(law.points.front().first <= high && law.points.back().first >= low, field + ".points",
               "run from {:.6g} to {:.6g} m, and the shell from {:.6g} to {:.6g} m along {}; move them",
               law.points.front().first, law.points.back().first, low, high, proto::ThicknessLaw::Along_Name(law.along));
@@ -59,19 +69,20 @@ void check_reach(const scene::LoadedScene& scene, const Law& law, const Patch& p
 }  // namespace
 
 ThicknessFactor thickness_factors(const scene::LoadedScene& scene, const proto::Shell& s, const Patch& patch,
-                                  const std::string& field, const Paint* paint) {
+                                  const std::string& field, const Paint* paint, bool fits) {
   if (!s.has_thickness_law() && !s.has_thickness_map() && !paint) return {};
   std::optional<Law> law;
   if (s.has_thickness_law()) {
     law.emplace(law_of(s.thickness_law()));
     // of a shell that a file divides, some parts may lie beyond the law
-    if (!s.has_cad() && !s.has_mesh()) check_reach(scene, *law, patch, field + ".thickness_law");
+    if (fits && !s.has_cad() && !s.has_mesh()) check_reach(scene, s, *law, patch, field + ".thickness_law");
   }
   std::shared_ptr<const GreyImage> image;
   const proto::ThicknessMap& map = s.thickness_map();
-  if (s.has_thickness_map())
-    image =
-        std::make_shared<const GreyImage>(read_grey_map(scene, map.path(), size_of(patch), field + ".thickness_map"));
+  if (s.has_thickness_map()) {
+    const std::optional<Vec2> size = fits ? std::optional<Vec2>(size_of(patch)) : std::nullopt;
+    image = std::make_shared<const GreyImage>(read_grey_map(scene, map.path(), size, field + ".thickness_map"));
+  }
   const double black = map.low_factor(), white = map.has_high_factor() ? map.high_factor() : 1.0;
   const std::shared_ptr<const Paint> painted = paint ? std::make_shared<const Paint>(*paint) : nullptr;
   return [law, image, black, white, painted](const Patch& own, const Vec2& p) {

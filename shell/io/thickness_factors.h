@@ -10,9 +10,10 @@ namespace sunder::shell {
 
 /// The factor on the thickness of a shell: the product of thickness_law, thickness_map and `paint` (null: none); empty
 /// where the shell has none. `patch` has parameters that are lengths, `field` is the shell's. Throws Error where a map
-/// cannot be read or has the wrong aspect ratio, or a law does not reach the shell.
+/// cannot be read, and where `fits` is asked for and a map has the wrong aspect ratio or a law does not reach the
+/// shell: of a patch that is a face, whose middle is another one, it is not.
 ThicknessFactor thickness_factors(const scene::LoadedScene& scene, const proto::Shell& shell, const Patch& patch,
-                                  const std::string& field, const Paint* paint);
+                                  const std::string& field, const Paint* paint, bool fits = true);
 
 /// The factor of a law along X, Y or Z at a place in the world.
 double law_factor(const proto::ThicknessLaw& law, const Vec3& place);

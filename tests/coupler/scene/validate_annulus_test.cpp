@@ -50,4 +50,7 @@ TEST(Annulus, WithWhatIsForOnePatchIsRefused) {
                  {"a ring may be several", "boxes"});
   expect_refusal(ring(kRing, "loads { point { at { u: 0 v: 0 } force { z: 1 } } }"), "shells[0].loads[0].point",
                  {"a ring may be several", "edge_force or pressure"});
+  const std::string law = "thickness_law { along: U points { factor: 1 } points { at_m: 1 factor: 0.5 } }";
+  expect_refusal(ring(kRing, law), "shells[0].thickness_law.along", {"each sector", "take X, Y or Z", "at most 90"});
+  EXPECT_EQ(refusal(ring(kRing + " angle_deg: 90", law)).kind, "accepted");
 }

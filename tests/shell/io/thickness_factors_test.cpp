@@ -96,6 +96,43 @@ TEST_F(VaryingScene, AWrongLawIsRefused) {
           "thickness_m", {"0.0004", "0.01 to 100"});
 }
 
+// Each sector of a ring is within 90 degrees, and a law in space is that of all.
+TEST_F(VaryingScene, ALawGoesOverTheSectorsOfARing) {
+  const auto ring = [](const std::string& more) {
+    return "  annulus { inner_m: 0.1 outer_m: 0.2 element_m: 0.02 " + more + " }";
+  };
+  const auto law = [](const std::string& along, double from, double to) {
+    return fmt::format(
+        "thickness_law {{ along: {} points {{ at_m: {} factor: 1 }} points {{ at_m: {} factor: 0.5 }} }}", along, from,
+        to);
+  };
+  const double even = mass(plate("", ring("")));
+  EXPECT_NEAR(mass(plate(law("X", -0.2, 0.2), ring(""))) / even, 0.75, 1e-6);
+  const RunSetup r = plate(law("X", 0.05, 0.2), ring(""));  // two sectors lie beyond it
+  EXPECT_EQ(r.shells.size(), 4u);
+  EXPECT_NEAR(r.shells[1].model.largest_thickness(), 0.01, 1e-15);
+  EXPECT_NEAR(r.shells[1].model.least_thickness(), 0.01, 1e-15);
+  EXPECT_LT(r.shells[0].model.least_thickness(), 0.006);
+  refused(law("X", 0.25, 0.5), "thickness_law.points", {"from -0.2 to 0.2 m along X", "move them"}, ring(""));
+  EXPECT_LT(mass(plate(law("V", 0, 0.1), ring(""))), 0.9 * even);
+  refused(law("U", 0, 0.1), "thickness_law.along", {"each sector", "take X, Y or Z"}, ring(""));
+  refused(law("U", 0, 0.1), "thickness_law.along", {"each sector", "at most 90"}, ring("angle_deg: 91"));
+  EXPECT_LT(mass(plate(law("U", 0, 0.1), ring("angle_deg: 90"))), 0.9 * 0.25 * even);
+}
+
+// A bent patch of which a face is given: the image has the shape of the middle.
+TEST_F(VaryingScene, AMapFitsTheMiddle) {
+  const std::string patch = "  cylinder { radius_m: 0.1 length_m: 0.1 angle_deg: 90 elements_u: 12 elements_v: 8 }";
+  std::string map = "P2 150 100 255\n";  // the face's arc is 0.157 m, the middle's 0.149 m or 0.165 m
+  for (int k = 0; k < 150 * 100; ++k) map += "0\n";
+  write("map.pgm", map);
+  const std::string in_shell = "thickness_map { path: 'map.pgm' low_factor: 1 } reference: ";
+  const Patch found = plate(in_shell + "OUTSIDE", patch).shells[0].model.patch;
+  EXPECT_NEAR(found.knots_u.end() - found.knots_u.begin(), 0.095 * 0.5 * std::numbers::pi, 1e-4);
+  refused(in_shell + "MIDDLE", "thickness_map.path", {"would do"}, patch);
+  refused(in_shell + "INSIDE", "thickness_map.path", {"0.1649 m", "would do"}, patch);
+}
+
 TEST_F(VaryingScene, IsRefusedWithAnInterlayerAndWithFibres) {
   const std::string law = kLaw;
   refused(law + " interlayer { material: 'film' thickness_m: 0.001 }", "thickness_law", {"an interlayer", "leave one"});
@@ -118,25 +155,6 @@ TEST_F(VaryingScene, ColoursOfAMeshAreItsThickness) {
               "have no colours");
 }
 
-// A closed tube becomes several charts: a law in space is that of all, one along U is of none.
-TEST_F(VaryingScene, ALawInSpaceGoesOverCharts) {
-  Triangles tube = lattice(48, 16, true, [](double u, double v) {
-    const double angle = 2.0 * std::numbers::pi * u;
-    return Vec3(std::cos(angle), std::sin(angle), v);
-  });
-  write("tube.obj", tube);
-  const std::string mesh = "path: 'tube.obj' element_m: 0.15";
-  const RunSetup even = setup(mesh);
-  ASSERT_GT(even.shells.size(), 1u);
-  const RunSetup r = setup(mesh, "thickness_law { along: Z points { factor: 1 } points { at_m: 1 factor: 0.5 } }");
-  EXPECT_NEAR(mass(r) / mass(even), 0.75, 2e-3);
-  expect_part(refusal(mesh, "thickness_law { along: U points { factor: 1 } points { at_m: 1 factor: 0.5 } }"),
-              "take X, Y or Z");
-  write("map.pgm", std::string("P2 2 2 255\n0 0 0 0\n"));
-  expect_part(refusal(mesh, "thickness_map { path: 'map.pgm' low_factor: 1 }"), "thickness_paint");
-}
-
-}  // namespace
 // Points of a mesh are moved before they have parameters, so a law along U would have one factor for all.
 TEST_F(VaryingScene, OfAMeshWhoseFaceIsGivenIsInSpace) {
   write("a.obj", lattice(20, 10, false, [](double u, double v) { return Vec3(u, 0.5 * v, 0.0); }));
@@ -164,3 +182,22 @@ TEST_F(VaryingScene, OfAMeshWhoseFaceIsGivenIsInSpace) {
   expect_part(refusal(mesh, "thickness_map { path: 'map.pgm' low_factor: 1 } reference: INSIDE"), "thickness_paint");
 }
 
+// A closed tube becomes several charts: a law in space is that of all, one along U is of none.
+TEST_F(VaryingScene, ALawInSpaceGoesOverCharts) {
+  Triangles tube = lattice(48, 16, true, [](double u, double v) {
+    const double angle = 2.0 * std::numbers::pi * u;
+    return Vec3(std::cos(angle), std::sin(angle), v);
+  });
+  write("tube.obj", tube);
+  const std::string mesh = "path: 'tube.obj' element_m: 0.15";
+  const RunSetup even = setup(mesh);
+  ASSERT_GT(even.shells.size(), 1u);
+  const RunSetup r = setup(mesh, "thickness_law { along: Z points { factor: 1 } points { at_m: 1 factor: 0.5 } }");
+  EXPECT_NEAR(mass(r) / mass(even), 0.75, 2e-3);
+  expect_part(refusal(mesh, "thickness_law { along: U points { factor: 1 } points { at_m: 1 factor: 0.5 } }"),
+              "take X, Y or Z");
+  write("map.pgm", std::string("P2 2 2 255\n0 0 0 0\n"));
+  expect_part(refusal(mesh, "thickness_map { path: 'map.pgm' low_factor: 1 }"), "thickness_paint");
+}
+
+}  // namespace
