@@ -130,6 +130,20 @@ TEST(ShellPart, AStepForHertzContactIsKeptForSomeTimeAndLongerAfterEachContact) 
   EXPECT_EQ(step(far, 201 + 2 * kHertzKept), kLong);
 }
 
+// Contact begins half a thickness over the middle: where four times 4 mm lie, 18 mm under the centre of the ball.
+TEST(ShellPart, ShortensTheStepForHertzWhereItIsThickest) {
+  constexpr double kStiffness = 1e9, kLong = 1e-4, kWindow = 1e-6;
+  const std::vector<Proxy> bodies = falling_balls(0.0179, 0.6);
+  for (const double factor : {1.0, 4.0}) {
+    Sheet sheet(kStiffness);
+    sheet.setup.model = make_shell("p", sheet.setup.model.patch, 0.004, sheet.setup.model.material, 2, 2, {}, {}, {},
+                                   [factor](const Patch&, const Vec2& p) { return p.x() < 0.1 ? 1.0 : factor; });
+    sheet.part.state = std::make_unique<ShellState>(make_state(sheet.setup.model, Vec3::Zero(), 1));
+    const double step = sheet.part.step_with_hertz(kLong, bodies, 1, Vec3::Zero(), kWindow, 0);
+    EXPECT_EQ(step<kLong, factor> 1.0) << step;
+  }
+}
+
 TEST(ShellPart, CountsPiecesAnewOnceALoopHasClosed) {
   Sheet sheet;
   EXPECT_EQ(sheet.part.counted()->pieces, 1);
