@@ -72,6 +72,8 @@ PICTURES = (
     Picture("scenes/bowl.png", "scenes/bowl.textproto"),
     Picture("scenes/rabbit.jpg", "scenes/rabbit.textproto", (0.0, 0.04),
             ("--cycles", "64", "--size", "748x630", "--no-caption"), width=1000),
+    Picture("scenes/vase.jpg", "scenes/vase.textproto", (2e-3, 0.055), ("--size", "640x560", "--close", "--no-caption"), width=1288),
+    Picture("scenes/windscreen.jpg", "scenes/cad/windscreen.textproto", (3e-3,), ("--size", "1000x700", "--close")),
     Picture("scenes/car_cycles.jpg", "scenes/impactor.textproto", (0.12,),
             ("--cycles", "64", "--size", "760x500", "--no-caption"), width=760),
     Picture("scenes/cloth_cycles.jpg", "scenes/paper/fig14.textproto", (0.16,),
