@@ -7,8 +7,8 @@ import unittest
 import numpy as np
 
 from . import REPOSITORY
-from .node_session import (PROTOCOL, AnyEngine, EngineCase, Message, Session, ball, body, floor, quaternion, rotate, slab,
-                           why_not, xyz)
+from .node_session import (PROTOCOL, DoubleEngine, EngineCase, Message, Session, ball, body, floor, quaternion, rotate, slab,
+                           why_not)
 
 SLACK_M = 5e-6  # overlap that stays
 
@@ -18,7 +18,7 @@ class MuJoCoCase(EngineCase):
     why_not = why_not("mujoco")
 
 
-class Engine(AnyEngine, MuJoCoCase):
+class Engine(DoubleEngine, MuJoCoCase):
     momentum = 1e-14
 
     def test_engine_holds_what_was_loaded(self) -> None:
@@ -26,20 +26,6 @@ class Engine(AnyEngine, MuJoCoCase):
         flight = self.flight([{**shard, "mass": 3 * shard["mass"]}])  # not that of its volume
         flight.window()
         self.assertEqual(flight.states[1]["mass"], 3 * shard["mass"])
-
-    def test_a_hit_turns_a_body_by_its_own_inertia(self) -> None:
-        # a ball without friction on a plate's end, a third of the arm from it: exchange of impulse p along z at x = a
-        for factor in (1.0, 1.6):  # of the plate's inertia; it stays below the sum of the other two
-            plate = slab(1, (0.1, 0.02, 0.005), (0, 0, 0))
-            plate["principal_inertia"]["y"] *= factor
-            ball_mass, arm, speed = 0.02, 0.06, 2.0
-            flight = self.flight([plate, ball(2, 0.01, ball_mass, (arm, 0, 0.016), (0, 0, -speed))], gravity=0.0,
-                                 laws=[{"friction": 0.0, "restitution": 0.0}])
-            flight.run(10)
-            inertia, mass = plate["principal_inertia"]["y"], plate["mass"]
-            impulse = speed / (1 / ball_mass + 1 / mass + arm**2 / inertia)
-            self.assertAlmostEqual(flight.at(1, "velocity")[2], -impulse / mass, delta=2e-3 * impulse / mass)
-            self.assertAlmostEqual(flight.at(1, "angular_momentum")[1], impulse * arm, delta=2e-3 * impulse * arm)
 
     def test_ball_comes_to_rest_on_a_half_space(self) -> None:
         flight = self.flight([ball(1, 0.05, 1.0, (0.3, 0.1, 0.06)), floor(2)])
@@ -124,54 +110,6 @@ class Engine(AnyEngine, MuJoCoCase):
         corners = [np.array([x, y, z]) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)]
         q = quaternion(flight.states[1]["orientation"])
         self.assertLess(max((flight.at(1) + rotate(q, c))[0] for c in corners), -0.1 + 0.01)
-
-    def test_joints_hold_what_they_hold(self) -> None:
-        kinds = {"BALL": 1, "HINGE": 2, "SLIDER": 3, "FIXED": 4}
-        # z of the joint, horizontal in the world: across gravity
-        frame = {"w": np.sqrt(0.5), "x": np.sqrt(0.5)}
-        for kind, number in kinds.items():
-            beam = slab(1, (0.05, 0.01, 0.01), (0.05, 0, 1), momentum=(0, 0, 1e-4))
-            joint = {"id": 1, "name": kind, "kind": number, "first": 1, "second": 0,
-                     "first_frame": {"position": xyz((-0.05, 0, 0)), "orientation": frame},
-                     "second_frame": {"position": xyz((0, 0, 1)), "orientation": frame}}
-            flight = self.flight([beam], joints=[joint])
-            flight.run(200)
-            q = quaternion(flight.states[1]["orientation"])
-            end = flight.at(1) + rotate(q, np.array([-0.05, 0, 0]))
-            axis = rotate(q, np.array([0, -1, 0]))
-            turned = 2 * np.arccos(min(1.0, abs(q[0])))
-            self.assertLess(np.linalg.norm((end - (0, 0, 1))[[0, 2]]), 1e-4, kind)  # the slider slides along y
-            if kind in ("BALL", "HINGE"):
-                self.assertGreater(turned, 0.5, kind)
-                self.assertLess(abs(end[1]), 1e-4, kind)
-            if kind != "BALL":
-                self.assertGreater(axis @ (0, -1, 0), 1 - 1e-8, kind)
-            if kind in ("SLIDER", "FIXED"):
-                self.assertLess(turned, 1e-4, kind)
-
-    def test_a_slider_between_two_moving_bodies_keeps_momentum(self) -> None:
-        frame = {"w": np.sqrt(0.5), "y": np.sqrt(0.5)}  # z of the joint along x
-        rail = slab(1, (0.1, 0.01, 0.01), (0, 0, 0), velocity=(0, 0.3, 0))
-        block = slab(2, (0.02, 0.02, 0.02), (0.03, 0, 0.05), velocity=(0.5, 0, 0.2))
-        joint = {"id": 1, "kind": 3, "first": 1, "second": 2, "first_frame": {"orientation": frame},
-                 "second_frame": {"position": xyz((0, 0, -0.05)), "orientation": frame}}
-        flight = self.flight([rail, block], gravity=0.0, joints=[joint])
-        mass = {k: flight.bodies[k]["mass"] for k in (1, 2)}
-        def momenta() -> np.ndarray:
-            linear = [mass[k] * flight.at(k, "velocity") for k in (1, 2)]
-            turns = [np.cross(flight.at(k), p) + flight.at(k, "angular_momentum") for k, p in zip((1, 2), linear)]
-            return np.concatenate([sum(linear), sum(turns)])
-        start = momenta()
-        for _ in range(200):
-            flight.window()
-        # moving anchors together takes a share (omega H)^2 of the angular momentum
-        self.assertLess(np.linalg.norm((momenta() - start)[:3]), 1e-13)
-        self.assertLess(np.linalg.norm((momenta() - start)[3:]), 1e-3 * np.linalg.norm(start[3:]))
-        q = {k: quaternion(flight.states[k]["orientation"]) for k in (1, 2)}
-        anchor = flight.at(2) + rotate(q[2], np.array([0, 0, -0.05]))
-        off = rotate(q[1] * [1, -1, -1, -1], anchor - flight.at(1))
-        self.assertLess(np.linalg.norm(off[1:]), 1e-4)
-        self.assertGreater(off[0], 0.1)  # it has slid
 
     def test_same_requests_give_the_same_bits(self) -> None:
         def states() -> dict[int, Message]:
