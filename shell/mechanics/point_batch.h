@@ -94,9 +94,9 @@ void scatter(const PointPack& p, const std::vector<Functions>& functions, const 
   const Vector<Pack> u = in_units(g.u, 0), v = in_units(g.v, 1), n = g.normal;
   const Pack m[3] = {p.unit[2] * g.moment[0], p.unit[3] * g.moment[1], p.unit[4] * g.moment[2]};
   const Functions* own = functions.data();
-  const char* ahead = !next                  ? nullptr
-                      : next->narrow.empty() ? reinterpret_cast<const char*>(next->wide.data())
-                                             : reinterpret_cast<const char*>(next->narrow.data());
+  const PointPack& then = next ? *next : p;  // after the last one its own, which are near
+  const char* ahead = then.narrow.empty() ? reinterpret_cast<const char*>(then.wide.data())
+                                          : reinterpret_cast<const char*>(then.narrow.data());
   for (const std::array<int, kQuads>& slots : p.slots) {
     for (std::size_t line = 0; line < sizeof(Functions); line += 64) __builtin_prefetch(ahead + line);
     ahead += sizeof(Functions);
