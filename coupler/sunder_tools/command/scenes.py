@@ -16,7 +16,7 @@ INDENT = 30  # characters before what a scene shows
 def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder scenes`."""
     parser = add_command(subparsers, NAME, "list the scenes that ship",
-                         "A line a scene: its name, the seconds that a run took where that was measured, what it shows.")
+                         "A line a scene: its name, the processor's seconds that a run took where that was measured, what it shows.")
     parser.add_argument("--measure", action="store_true",
                         help="run the scenes and write scenes/seconds.json; without names all of them, which takes hours")
     parser.add_argument("names", metavar="NAME", nargs="*", help="with --measure: these scenes only")
@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def table(scenes: list[Shipped], columns: int) -> str:
     """The list within so many columns of text."""
-    lines = [f"{'scene':<22}{'s':>6}  what it shows"]
+    lines = [f"{'scene':<22}{'cpu s':>6}  what it shows"]
     for scene in scenes:
         seconds = "" if scene.seconds is None else f"{scene.seconds:.3g}"
         lines.append(textwrap.fill(scene.about, max(columns, 2 * INDENT), initial_indent=f"{scene.name:<22}{seconds:>6}  ",

@@ -6,7 +6,6 @@ import os
 import re
 import sys
 import tempfile
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from ..places import REPOSITORY
 from ..report.machine import circumstances
 from ..words import did_you_mean
 from .build import build_dir, ensure_built
-from .run import launch_once
+from .run import launch_once, read_usage
 
 SCENES = REPOSITORY / "scenes"
 ENDING = ".textproto"
@@ -28,7 +27,7 @@ class Shipped:
     name: str
     path: Path
     about: str              # the first sentence of its leading comment
-    seconds: float | None   # that a run took, without pictures; None where it was not measured
+    seconds: float | None   # of processor, of both processes, for a run without pictures; None where it was not measured
 
 
 def shipped(folder: Path = SCENES) -> list[Shipped]:
@@ -69,9 +68,9 @@ def _seconds(entry: object) -> float | None:
 
 
 def measure(names: list[str], folder: Path = SCENES) -> None:
-    """Runs these scenes, all where none is named, and keeps the seconds of each as soon as it has ended.
+    """Runs these scenes, all where none is named, and keeps the processor's seconds of each as soon as it has ended.
 
-    Raises CommandError for a name that does not ship, before anything runs.
+    Other programs on the machine change those least. Raises CommandError for a name that does not ship, before anything runs.
     """
     there = {scene.name: scene.path for scene in shipped(folder)}
     for name in names:
@@ -82,9 +81,8 @@ def measure(names: list[str], folder: Path = SCENES) -> None:
         print(f"sunder: measuring {name}", file=sys.stderr, flush=True)
         made_with = circumstances(build_dir())  # the load before it, not its own
         with tempfile.TemporaryDirectory(prefix="seconds-sunder-") as out:
-            start = time.monotonic()
             launch_once(executables, there[name], Path(out), [])
-            taken = time.monotonic() - start
+            taken = read_usage(Path(out)).get("processor_s", 0.0)
         _keep(folder, name, {"seconds": float(f"{taken:.3g}"), **made_with})
 
 
