@@ -226,6 +226,10 @@ class ContactSheet(InAFolder):
         title = written.call_args_list[-1].args[2]
         self.assertEqual(title.split("     "), ["pane_of_a_shop", "glass 4 mm", "ball 8 m/s",
                                                 "9 fragments, 4 handed to the rigid engine"])
+        (self.folder / "run.json").write_text(json.dumps(run | {"counts": {"fragments": 1, "handed_off": 0}}))
+        with mock.patch.object(contact_sheet, "draw_text") as written:
+            write_contact_sheet(self.folder)
+        self.assertEqual(written.call_args_list[-1].args[2].split("     ")[-1], "1 fragment, 0 handed to the rigid engine")
         (self.folder / "run.json").write_text(json.dumps({"status": "failed"}))
         with mock.patch.object(contact_sheet, "draw_text") as written:
             write_contact_sheet(self.folder)

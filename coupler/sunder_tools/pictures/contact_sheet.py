@@ -98,7 +98,8 @@ def _title(folder: Path) -> str:
     parts += [f"{name} {speed:.3g} m/s" for name, speed in words.speeds[:MOST_NAMED]]
     counts = run.get("counts")
     if isinstance(counts, dict) and "fragments" in counts:
-        parts.append(f"{counts['fragments']} fragments, {counts.get('handed_off', 0)} handed to the rigid engine")
+        plural = "" if counts["fragments"] == 1 else "s"
+        parts.append(f"{counts['fragments']} fragment{plural}, {counts.get('handed_off', 0)} handed to the rigid engine")
     return "     ".join(parts)
 
 
