@@ -74,6 +74,9 @@ class Knobs(unittest.TestCase):
         both = after("elements x0.707", "window x4")
         self.assertEqual((both["shells[pane].plate.elements_x"], both["shells[pane].plate.elements_y"]), (57, 57))
         self.assertEqual((both["window_s"], both["settle_window_s"]), (2e-4, 1e-3))
+        bowl = load("bowl")  # of which the length of an element is given
+        halves = {c.label: c for c in changes_of(bowl, "bullet")[0]}["elements x0.5"]
+        self.assertEqual(Setting((halves,)).scene(bowl)["shells[bowl].mesh.element_m"], 2.0 * bowl["shells[bowl].mesh.element_m"])
         self.assertEqual(after("bending LINEAR")["shells[pane].bending"], "LINEAR")
         self.assertEqual(after("gauss_points 3")["shells[pane].gauss_points"], 3)
         self.assertEqual(after("degree 3")["shells[pane].plate.degree"], 3)

@@ -25,6 +25,7 @@ TRANSFERS = ("DIRECT", "FLIP", "APIC")
 ENGINES = ("bullet", "ode", "freeflight", "inprocess")
 KNOBS = ("elements", "layers", "gauss_points", "bending", "stress_model", "transfer", "time_step_safety", "window",
          "scheme", "degree", "engine", "fidelity")
+LENGTH = "element_m"  # of patches that are divided by the length of an element
 # These come nearer to the exact answer of the scene's own model. The others replace a law or a scheme: where one of them is
 # nearer to the reference than what it replaces, two errors happen to cancel.
 CONVERGING = ("elements", "layers", "gauss_points", "time_step_safety", "window", "degree", "fidelity")
@@ -125,11 +126,15 @@ def changes_of(scene: Scene, engine: str) -> tuple[list[Change], dict[str, str]]
 
 
 def elements(factor: float) -> Change:
-    """Of every shell that says how many; a substep lasts as long as a wave takes through one, hence the third power."""
+    """Of every shell that says how many or how long; a substep lasts as long as a wave takes through one, hence the third
+    power."""
     def apply(scene: Scene) -> None:
         for patch, names in _counted(scene):
             for name in names:
-                setattr(patch, name, max(1, round(getattr(patch, name) * factor)))
+                if name == LENGTH:
+                    setattr(patch, name, float(f"{getattr(patch, name) / factor:.6g}"))
+                else:
+                    setattr(patch, name, max(1, round(getattr(patch, name) * factor)))
     return Change("elements", f"x{factor:.3g}", factor ** 3, apply)
 
 
@@ -176,11 +181,11 @@ def finer(scene: Scene, level: int) -> Setting:
 
 
 def _counted(scene: Scene) -> list[tuple[Any, list[str]]]:
-    """Patches and the names of those of their fields that count elements."""
+    """Patches and the names of those of their fields that count elements, or give their length."""
     out = []
     for shell in scene.message.shells:
         patch = getattr(shell, shell.WhichOneof("patch") or "plate")
-        names = [n for n in ("elements_x", "elements_y", "elements_u", "elements_v")
+        names = [n for n in ("elements_x", "elements_y", "elements_u", "elements_v", LENGTH)
                  if n in patch.DESCRIPTOR.fields_by_name and patch.HasField(n)]
         if names:
             out.append((patch, names))
@@ -189,7 +194,7 @@ def _counted(scene: Scene) -> list[tuple[Any, list[str]]]:
 
 def _elements(scene: Scene) -> list[Change] | str:
     if not _counted(scene):
-        return "no shell says how many elements it has: they are those of the knots"
+        return "no shell says how many elements it has, or how long they are: they are those of the knots"
     return [elements(factor) for factor in ELEMENTS]
 
 
