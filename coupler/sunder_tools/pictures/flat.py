@@ -9,6 +9,7 @@ from ..report.columns import read_columns
 from .frames import CRACKS, SHELL, Frame
 from .meshes import Scene, edges, reference_points, weld
 from .raster import Camera, line_pixels, nothing, orthographic_camera, rasterise
+from .seams import off_seams
 from .views import INK, background, draw_scene
 from .vtp import PolyData
 
@@ -94,7 +95,7 @@ class _Pattern:
         fresh[hit] = True
         self._free[hit] = False
         pieces = np.isin(fragment, fragment[shown])
-        lines = [points[edges(mesh.triangles[pieces], weld(points), fragment[pieces], None)]]
+        lines = [points[off_seams(mesh, edges(mesh.triangles[pieces], weld(points), fragment[pieces], None))]]
         if cracks is not None and (whole or "displacement" in cracks.point_data):
             lines.append(reference_points(cracks)[cracks.segments()])
         for drawn in map(self._pixels, lines):

@@ -12,6 +12,7 @@ from .mesh import origin_of_triangles
 from .motion import reference_points as reference_points  # others import it from here
 from .motion import shell_velocity
 from .palette import GLASS, STEEL, is_glass, part_colours, pastel, ramp, varied
+from .seams import off_seams
 from .sheets import sheet_of, sides_of_pieces
 from .soft import balls, colours as soft_colours, speeds
 from .thick import CREASE_COSINE, EDGE, INSIDE, OTHER, vertex_normals
@@ -98,8 +99,8 @@ def edges(triangles: np.ndarray, same: np.ndarray, labels: np.ndarray, normals: 
 
 
 def fragment_edges(mesh: PolyData) -> np.ndarray:
-    """Returns edges (k, 2) at borders of the shell's fragments."""
-    return edges(mesh.triangles, weld(reference_points(mesh)), mesh.of_triangles("fragment", 0), None)
+    """Returns edges (k, 2) at borders of the shell's fragments, but for seams that hold."""
+    return off_seams(mesh, edges(mesh.triangles, weld(reference_points(mesh)), mesh.of_triangles("fragment", 0), None))
 
 
 def piece_edges(bodies: PolyData, mine: np.ndarray, normals: np.ndarray) -> np.ndarray:
