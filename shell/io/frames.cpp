@@ -11,6 +11,7 @@
 
 #include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
+#include "shell/io/crack_lines.h"
 #include "shell/io/frame_bodies.h"
 #include "shell/io/probes.h"
 #include "shell/io/thick_sheet.h"
@@ -226,60 +227,19 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
   return {std::move(mesh), std::move(solid)};
 }
 
-// Moves the end of an edge that leaves the patch to the border, along the edge.
-Vec2 held_back(const ShellModel& m, Vec2 p, const Vec2& other) {
-  const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()), high(m.patch.knots_u.end(), m.patch.knots_v.end());
-  for (int k = 0; k < 2; ++k) {
-    const double held = std::clamp(p[k], low[k], high[k]);
-    if (held != p[k] && other[k] != p[k])
-      p = other + std::clamp((held - other[k]) / (p[k] - other[k]), 0.0, 1.0) * (p - other);
-  }
-  return p.cwiseMax(low).cwiseMin(high);  // an edge entirely outside
-}
-
-VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
-  VtpMesh mesh;
-  VtpArray crack{"crack", 1, {}, true}, time{"time", 1, {}, false, "s"};
-  // Lines lie on the surface at rest with zero displacement, so that they fit any frame. On an interlayer they move
-  // with it: it is one surface that no piece leaves.
-  VtpArray displacement{"displacement", 3, {}, false, "m"};
-  VtpArray parameter{"parameter", 3, {}};  // of the graph itself, also beyond the border; third component 0
-  for (const CrackEdge& e : s.cracks.graph.edges()) {
-    if (e.is_trim()) continue;
-    std::vector<int> line;
-    for (const bool first : {true, false}) {
-      const Vec2& p = first ? e.a : e.b;
-      const Vec2 drawn = held_back(m, p, first ? e.b : e.a);
-      const Vec3 rest = m.patch.evaluate(drawn).x;
-      const Vec3 u = m.laminated() ? Vec3(evaluate(m, s, drawn, false).x - rest) : Vec3(Vec3::Zero());
-      mesh.points.push_back(rest + u);
-      displacement.values.insert(displacement.values.end(), {u.x(), u.y(), u.z()});
-      parameter.values.insert(parameter.values.end(), {p.x(), p.y(), 0.0});
-      line.push_back(static_cast<int>(mesh.points.size()) - 1);
-    }
-    mesh.lines.push_back(line);
-    crack.values.push_back(e.crack), time.values.push_back(e.time);
-  }
-  mesh.point_data = {displacement, parameter};
-  mesh.cell_data = {crack, time};
-  return mesh;
-}
-
 // Appends the mesh of shell number `shell`, with that number as a cell array.
 void append(VtpMesh& all, VtpMesh one, int shell) {
   const int first = static_cast<int>(all.points.size());
-  const std::size_t cells = one.polygons.size() + one.lines.size();
-  one.cell_data.push_back({"shell", 1, std::vector<double>(cells, shell), true});
+  one.cell_data.push_back({"shell", 1, std::vector<double>(one.polygons.size(), shell), true});
   if (first == 0 && all.cell_data.empty()) {
     all = std::move(one);
     return;
   }
   all.points.insert(all.points.end(), one.points.begin(), one.points.end());
-  for (auto* lists : {&one.polygons, &one.lines})
-    for (std::vector<int>& list : *lists) {
-      for (int& i : list) i += first;
-      (lists == &one.lines ? all.lines : all.polygons).push_back(std::move(list));
-    }
+  for (std::vector<int>& corners : one.polygons) {
+    for (int& i : corners) i += first;
+    all.polygons.push_back(std::move(corners));
+  }
   const auto join = [](std::vector<VtpArray>& to, const std::vector<VtpArray>& from) {
     for (std::size_t k = 0; k < to.size(); ++k)
       to[k].values.insert(to[k].values.end(), from[k].values.begin(), from[k].values.end());
@@ -325,7 +285,8 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
   };
   const ContactOverTime none;
   if (!shells.empty()) {
-    VtpMesh shell, cracks, thick;
+    VtpMesh shell, thick;
+    std::vector<DrawnLine> lines;
     const bool varies =
         std::any_of(shells.begin(), shells.end(), [](const ShellView& view) { return view.model->varies(); });
     for (std::size_t k = 0; k < shells.size(); ++k) {
@@ -335,14 +296,21 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
       if (fields.thick) append(thick, std::move(meshes.solid), static_cast<int>(k));
       shell.shell_names.push_back(shells[k].model->name);
       shell.shell_areas.push_back(surface_area(*shells[k].model, *shells[k].state).second);
-      append(cracks, crack_mesh(*shells[k].model, *shells[k].state), static_cast<int>(k));
+      const std::vector<DrawnLine> own = crack_lines(*shells[k].model, *shells[k].state, static_cast<int>(k));
+      lines.insert(lines.end(), own.begin(), own.end());
     }
-    cracks.shell_names = thick.shell_names = shell.shell_names;
+    thick.shell_names = shell.shell_names;
     if (fields.thick) write("thick", std::move(thick)), list(thick_index_, 0, "thick");
+    VtpMesh cracks = line_mesh(lines);
+    cracks.shell_names = shell.shell_names;
     put(0, "shell", std::move(shell)), put(1, "cracks", std::move(cracks));
   }
   put(2, "bodies", body_mesh(bodies, first_shard, drawn_, piece_, fields));
   if (!soft.empty()) put(3, "soft", soft_mesh(soft));
+  std::vector<DrawnLine> carried;
+  for (const RigidBody& b : bodies)
+    if (const auto it = drawn_.find(b.id); it != drawn_.end()) add_carried(b.motion, it->second.lines, carried);
+  if (!carried.empty()) put(4, "carried_cracks", line_mesh(carried));
   if (fields.thick) list(thick_index_, 1, "bodies");
   if (fields.thick && !soft.empty()) list(thick_index_, 2, "soft");
   ++count_;

@@ -34,8 +34,15 @@ void archive(A& a, RigidBody& b) {
 namespace sunder::shell {
 
 template <class A>
+void archive(A& a, DrawnLine& line) {
+  for (const int end : {0, 1})
+    archive_all(a, line.points[end], line.displacement[end], line.rest[end], line.parameter[end]);
+  archive_all(a, line.crack, line.shell, line.time);
+}
+
+template <class A>
 void archive(A& a, DrawnMesh& m) {
-  archive_all(a, m.points, m.rest, m.uv, m.triangles, m.shell);
+  archive_all(a, m.points, m.rest, m.uv, m.triangles, m.shell, m.lines);
 }
 
 template <class A>

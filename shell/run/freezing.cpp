@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shell/io/crack_lines.h"
 #include "shell/run/flight.h"
 #include "shell/run/pieces.h"
 #include "shell/run/state_hash.h"
@@ -110,6 +111,9 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
     ShellState& s = *state_.shells[k].state;
     books_.frozen_kinetic += kinetic_energy(m, s, dt);
     state_.frozen_potential += potential_energy(m, s, setup_.gravity);
+    std::vector<DrawnLine> lines;  // of a laminate: no edge of the body's mesh shows them
+    if (m.laminated())
+      lines = leaving_lines(m, s, static_cast<int>(k), [&](int slot) { return !s.motion.detached[slot]; });
     Handoff frozen = shell::freeze(m, s, *now[k].triangulation, now[k].pieces, counts_.next_id++);
     const RigidBody& remains = frozen.body;
     check_parts(remains, clock_.windows);
@@ -120,6 +124,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
         for (const int i : p.control_points)
           if (p.held && !p.handed_off) points.emplace_back(k, i);
       frozen.drawn.shell.assign(frozen.drawn.triangles.size(), static_cast<int>(k));
+      frozen.drawn.lines = seen_from(remains.motion, std::move(lines));
       const BodyId id = ids_.take(points, frozen_ids);  // shells that seams join are one piece
       frozen_ids.insert(id);
       frames_.draw_as(remains.id, id, frozen.drawn);

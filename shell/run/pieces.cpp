@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "coupler/link/messages.h"
+#include "shell/io/crack_lines.h"
 #include "shell/solver/contact/near_tiles.h"
 #include "shell/solver/interlock.h"
 
@@ -323,6 +324,14 @@ RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& grou
   };
   // forces of points that are independent now
   if (state_.stitching.release(shells, leaves)) simulation_.total_energy(dt);
+  std::vector<DrawnLine> lines;  // of laminates: no edge of the body's mesh shows them
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (shells[k].model->laminated() && !now[k].whole) {
+      const int shell = static_cast<int>(k);
+      const auto out =
+          leaving_lines(*shells[k].model, *shells[k].state, shell, [&](int slot) { return leaves(shell, slot); });
+      lines.insert(lines.end(), out.begin(), out.end());
+    }
   std::vector<Handoff> parts;
   std::vector<std::pair<std::size_t, int>> points;
   double mass = 0.0;
@@ -350,6 +359,7 @@ RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& grou
   shards_.push_back({id, h.body.id, clock_.time() + coupler_.window_ticks() * setup_.tick, h.area, h.body.mass,
                      h.body.motion.velocity.norm(),
                      static_cast<int>(std::get<ConvexShape>(h.body.shape).parts.size())});
+  h.drawn.lines = seen_from(h.body.motion, std::move(lines));
   frames_.draw_as(h.body.id, id, std::move(h.drawn));
   state_.bodies.emplace_back(h.body);
   for (ShellPart& other : state_.shells)

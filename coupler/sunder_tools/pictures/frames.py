@@ -10,7 +10,7 @@ import numpy as np
 from ..report.run_json import load_steps, read_run
 from .vtp import PolyData, VtpError, read_vtp
 
-SHELL, CRACKS, BODIES, SOFT = 0, 1, 2, 3       # `part` in frames.pvd
+SHELL, CRACKS, BODIES, SOFT, CARRIED = range(5)  # `part` in frames.pvd; CARRIED: cracks of laminates that became bodies
 MOVING, SHARD, STATIC, FROZEN = 0, 1, 2, 3     # `kind` of a triangle in bodies_*.vtp
 MEASURED_FRAMES = 120  # largest number of frames that are read to choose the panels
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .frames import BODIES, CRACKS, FROZEN, MOVING, SHARD, SHELL, SOFT, STATIC, Frame
+from .frames import BODIES, CARRIED, CRACKS, FROZEN, MOVING, SHARD, SHELL, SOFT, STATIC, Frame
 from .ground import Ground
 from .look import Look, parts_of_bodies
 from .mesh import origin_of_triangles
@@ -145,8 +145,14 @@ def lines_in_place(lines: PolyData, shell: PolyData | None) -> np.ndarray:
     for one in np.unique(of_line):
         mine, here = of_line == one, np.unique(shell.triangles[of_triangle == one])
         at_rest = moved is None or (len(here) > 0 and not moved[here].any())
-        keep |= mine & (at_rest or (carried is not None and bool(carried[segments[mine]].any())))
+        keep |= mine & (at_rest or (carried is not None and carried[segments].any(axis=(1, 2))))
     return np.asarray(segments[keep])
+
+
+def thickness_of_lines(lines: PolyData, thickness: tuple[float, ...]) -> float:
+    """Returns the largest thickness [m] of the shells of crack lines, 0 where it is not known."""
+    of_line = np.unique(lines.cell_data.get("shell", np.zeros(0)).astype(np.int64))
+    return max((thickness[k] for k in of_line if 0 <= k < len(thickness) and thickness[k] == thickness[k]), default=0.0)
 
 
 def _divided(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -305,6 +311,10 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
     lines = frame.read(CRACKS)
     if lines is not None:
         cracks.append(lines.points[lines_in_place(lines, shell)])
+    carried = frame.read(CARRIED)
+    if carried is not None:
+        cracks.append(carried.points[carried.segments()])
+        thickness_m = max(thickness_m, thickness_of_lines(carried, look.thickness))
     bodies = frame.read(BODIES)
     if bodies is not None and len(bodies.triangles):
         kind, body = bodies.of_triangles("kind", MOVING), bodies.of_triangles("body", 0)

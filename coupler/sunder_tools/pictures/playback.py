@@ -13,10 +13,10 @@ import numpy as np
 from ..report.columns import read_columns, thin
 from ..report.run_json import read_run
 from ..report.scene_text import Words, scene_words
-from .frames import BODIES, CRACKS, SHELL, Frame, list_frames
+from .frames import BODIES, CARRIED, CRACKS, SHELL, Frame, list_frames
 from .look import Look, origins
 from .mesh import origin_of_triangles
-from .meshes import fragment_edges, lines_in_place, piece_edges
+from .meshes import fragment_edges, lines_in_place, piece_edges, thickness_of_lines
 from .motion import body_velocity, shell_velocity
 from .palette import PARTS
 from .sheets import sheet_of
@@ -154,7 +154,7 @@ def pack_frame(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -
     The header has time, origin, the largest thickness [m] and {name: [type, offset, length]}; offsets count from the first array. Positions are
     single precision from `origin` [m], so that what is small and far away stays sharp. Raises VtpError, OSError.
     """
-    shell, cracks, bodies = (frames[k].read(part) for part in (SHELL, CRACKS, BODIES))
+    shell, cracks, bodies, carried = (frames[k].read(part) for part in (SHELL, CRACKS, BODIES, CARRIED))
     bodies, moves = with_soft(frames[k], bodies, body_velocity(frames, k))
     corners = [m.points for m in (shell, bodies) if m is not None and len(m.points)]
     box = np.concatenate(corners) if corners else np.zeros((1, 3))
@@ -180,6 +180,9 @@ def pack_frame(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -
         lines.append(sheet.points[sheet.lines(fragment_edges(shell))])
     if cracks is not None:
         inner = cracks.points[lines_in_place(cracks, shell)]
+    if carried is not None:
+        inner = np.concatenate([inner, carried.points[carried.segments()]])
+        thick = max(thick, thickness_of_lines(carried, thickness))
     if bodies is not None:
         arrays |= _mesh("bodies", bodies, moves, origin)
         body = bodies.of_triangles("body", 0)

@@ -8,13 +8,24 @@
 
 namespace sunder::shell {
 
+/// A straight part of a crack as frames have it.
+struct DrawnLine {
+  std::array<Vec3, 2> points{};        // [m], of the world, or of the body that carries it
+  std::array<Vec3, 2> displacement{};  // [m] from rest
+  std::array<Vec3, 2> rest{};          // [m], in the world
+  std::array<Vec2, 2> parameter{};     // of the crack's graph
+  int crack = -1, shell = -1;          // numbers
+  double time = 0.0;                   // [s] at which it was inserted
+};
+
 /// The drawn mesh of a body that was a piece, thickened, in body coordinates [m].
 struct DrawnMesh {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
-  std::vector<Vec3> rest{};  // of each point, its place on a face of the shell at rest, in the world [m]
-  std::vector<Vec2> uv{};    // and the drawn_parameter() of that place [-]
-  std::vector<int> shell{};  // of each triangle, the number of its shell
+  std::vector<Vec3> rest{};        // of each point, its place on a face of the shell at rest, in the world [m]
+  std::vector<Vec2> uv{};          // and the drawn_parameter() of that place [-]
+  std::vector<int> shell{};        // of each triangle, the number of its shell
+  std::vector<DrawnLine> lines{};  // cracks of a laminate, whose mesh has no gaps
 };
 
 /// Mass, momentum and angular momentum about the origin of all control points, and the sums of the terms' magnitudes,
