@@ -16,6 +16,7 @@ from .schema import with_preset
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], for a scene without gravity field
 NO_PUSH = 1e-3  # share of the largest impulse: contact has ended where less is to come
+SETTLED = 0.02  # last share of the record in which nothing pushes a body whose values are final
 FEWEST_ROWS = 4  # of the probe, in an interval over which a force is taken
 AT_REST = 1e-9  # share of the first speed: round-off of the nine digits in probes.csv
 LAST_SHARE = 0.1  # last share of the record, in which a body that went through
@@ -59,10 +60,16 @@ class Motion:
     @property
     def contact_until(self) -> float:
         """Returns the time [s] after which less than a thousandth of the largest impulse is to come; 0 without an
-        impulse. At the end of the run, final values are not final yet."""
+        impulse. At the end of the run, final values are not final yet (`settled`)."""
         most = np.linalg.norm(self.impulse, axis=1).max()
         left = np.linalg.norm(self.impulse - self.impulse[-1], axis=1)
         return float(self.time[1 + int(np.flatnonzero(left > NO_PUSH * most)[-1])]) if most > 0.0 else 0.0
+
+    @property
+    def settled(self) -> bool:
+        """Returns whether the body's last contact ended before the last SETTLED of the record. Otherwise it may still be pushed,
+        and what is final of it is that of the moment."""
+        return self.contact_until <= self.time[-1] - SETTLED * (self.time[-1] - self.time[0])
 
     def largest_mean_force(self, interval_s: float) -> float:
         """Returns the largest mean force over any interval of this length [N], without gravity.
@@ -130,7 +137,7 @@ def motion(results: Results, body: str | None = None, mass: float | None = None)
 def struck(scene: Any, body: str | None, mass: float | None) -> tuple[str, str, float]:
     """Returns the names of the body and its probe in the message of a scene, and the body's mass [kg]. Raises
     CommandError as `motion` does."""
-    probed = {probe.body: probe.name for probe in scene.output.probes if probe.body}
+    probed = {probe.body: probe.name for probe in scene.output.probes if probe.body and not probe.shell}  # else of contact
     if body is None:
         if len(probed) != 1:
             raise CommandError(f"name the body; there are probes of: {', '.join(probed) or 'none'}")
@@ -213,6 +220,10 @@ def perforable(scene: Any, body: str | None) -> tuple[Any, Any]:
 def impact(body: str | None = None, mass: float | None = None, interval_s: float | None = None) -> Any:
     """Measures, for experiments, the usual quantities of an impact by `body`, as columns.
 
+    `residual_velocity_m_per_s` along the way in which it came, `impulse_N_s`, `contact_until_s`, `energy_..._J` as by
+    `energy_taken`, and `crack_length_m`. `settled` is 1 where the last contact ended before the last SETTLED of the record;
+    where it is 0 the body may still be pushed, and `end_time_s` is too short for final values.
+
     With `interval_s` also `mean_force_N`, the largest mean force over an interval of this length, and
     `mean_force_interval_s`, the length: at least four rows of the probe (a row a window, if `output.probe_interval_s` is no
     longer), better ten; keep it where windows change. There is no peak of
@@ -236,12 +247,12 @@ def impact(body: str | None = None, mass: float | None = None, interval_s: float
         told = () if interval_s is None else (one.largest_mean_force(interval_s), interval_s)
         return {"residual_velocity_m_per_s": one.residual_velocity,
                 "impulse_N_s": float(np.linalg.norm(one.impulse[-1])),
-                **dict(zip(forces, told)), "contact_until_s": one.contact_until,
+                **dict(zip(forces, told)), "contact_until_s": one.contact_until, "settled": float(one.settled),
                 **{f"energy_{name}_J": value for name, value in energy.items()},
                 "crack_length_m": float(results.series["cracks"][-1])}
     gone = {"peak_force_N": "it grew without limit as windows got shorter; take interval_s in sunder.impact, which gives "
                             "mean_force_N"}
     if not forces:
         gone["mean_force_N"] = gone["mean_force_interval_s"] = "sunder.impact gives it with interval_s"
-    return Stated(("residual_velocity_m_per_s", "impulse_N_s", *forces, "contact_until_s",
+    return Stated(("residual_velocity_m_per_s", "impulse_N_s", *forces, "contact_until_s", "settled",
                    *(f"energy_{name}_J" for name in ENERGIES), "crack_length_m"), measure, refuse, gone)

@@ -32,7 +32,7 @@ def sweep(file: Path, settings: Settings) -> int:
         done = series.run(here)
         if isinstance(done, Table):
             status = max(status, _tell_table(series, done))
-            for line in _warnings(out, done):
+            for line in [*_warnings(out, done), *_unsettled(done)]:
                 print(line)
         else:
             status = max(status, _tell_v50(series, done))
@@ -91,6 +91,16 @@ def _warnings(out: Path, table: Table) -> list[str]:
             kinds.setdefault(re.sub(r"[0-9.eE+-]*[0-9][0-9.eE+-]*", "N", str(warning)), []).append((str(row["member"]), str(warning)))
     return [f"warning          {len({member for member, _ in found})} of {len(table)} runs, {found[0][0]} first: {found[0][1]}"
             for found in kinds.values()]
+
+
+def _unsettled(table: Table) -> list[str]:
+    """A line where runs end while the body of `sunder.impact` is still pushed."""
+    if "settled" not in table.columns:
+        return []
+    told = [row for row in table if row["status"] == "done"]
+    early = [row for row in told if row["settled"] == 0.0]
+    return [f"warning          {len(early)} of {len(told)} runs end while the body is still pushed (settled is 0): what they give "
+            "as final is of that moment; set a later end_time_s"] if early else []
 
 
 def _tell_v50(series: Series, found: Ballistic) -> int:

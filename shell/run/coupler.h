@@ -26,7 +26,8 @@ void check_birth(BirthErrors& most, const RigidBody& body, const BirthErrors& fo
 
 /// Throws Error where the engine lacks a capability that the scene needs; the message names both.
 void check_engine(const RunSetup& setup, const link::EngineInfo& peer);
-/// Lists capabilities that the engine lacks and the run can go without, one sentence each.
+/// Lists capabilities that the engine lacks and the run can go without, one sentence each. Without them it comes out
+/// differently: they are warnings of run.json.
 std::vector<std::string> engine_notes(const RunSetup& setup, const link::EngineInfo& peer);
 
 /// Couples the shells to the rigid side, window by window, and keeps the ledger.

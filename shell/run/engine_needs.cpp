@@ -7,9 +7,9 @@
 
 namespace sunder::shell {
 void check_engine(const RunSetup& setup, const link::EngineInfo& peer) {
-  const auto need = [&](const char* what, const std::string& why) {
-    require(peer.can(what), "the engine '{}' cannot do '{}', which {}; take another engine, or change the scene",
-            peer.name, what, why);
+  const auto need = [&](const char* what, const std::string& why, const char* remedy = "change the scene") {
+    require(peer.can(what), "the engine '{}' cannot do '{}', which {}; take another engine, or {}", peer.name, what,
+            why, remedy);
   };
   using namespace link::capability;
   for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
@@ -26,7 +26,7 @@ void check_engine(const RunSetup& setup, const link::EngineInfo& peer) {
   for (std::size_t i = 0; i < setup.joints.size(); ++i)
     if (setup.breaks[i].can()) need(kReleaseJoints, "joint '" + setup.joints[i].name + "', which breaks, needs");
   if (setup.can_crack())
-    for (const char* what : {kConvexHulls, kCompound}) need(what, "shards need; or leave strength and cuts out");
+    for (const char* what : {kConvexHulls, kCompound}) need(what, "shards need", "leave 'strength' and 'cuts' out");
   if (setup.coupling.scheme == CouplingRules::Scheme::kExported) need(kExportRows, "coupling.scheme EXPORTED needs");
   if (setup.coupling.scheme == CouplingRules::Scheme::kIterated) need(kSaveRestore, "coupling.scheme ITERATED needs");
 }
@@ -54,7 +54,6 @@ std::vector<std::string> engine_notes(const RunSetup& setup, const link::EngineI
         fmt::format("a body that is squeezed between a shell and another body, or that a joint holds, may gain "
                     "energy where k H^2/M passes {:g} (coupling in run.json says what it came to); shorten window_s",
                     setup.coupling.export_above));
-  if (setup.checkpoint_interval > 0.0) without(kSaveRestore, "no checkpoints are written, --resume has nothing");
   return notes;
 }
 

@@ -56,9 +56,14 @@ void Run::start() {
   if (recorder_.tracing()) options_.heard = [this](const link::TimedReply& reply) { recorder_.heard(reply); };
   rigid_ = options_.connect(options_);
   check_engine(setup_, rigid_->peer());
-  if (!options_.quiet)
+  const bool restores = rigid_->peer().can(link::capability::kSaveRestore);
+  if (!options_.quiet) {
     for (const std::string& note : engine_notes(setup_, rigid_->peer())) fmt::print(stderr, "note: {}\n", note);
-  if (!rigid_->peer().can(link::capability::kSaveRestore)) setup_.checkpoint_interval = 0.0;
+    if (setup_.checkpoint_interval > 0.0 && !restores)
+      fmt::print(stderr, "note: the engine '{}' cannot do '{}': no checkpoints are written, --resume has nothing\n",
+                 rigid_->peer().name, link::capability::kSaveRestore);
+  }
+  if (!restores) setup_.checkpoint_interval = 0.0;
   recorder_.engine(rigid_->peer());
   coupler_.connect(*rigid_);
   simulation_.prepare();

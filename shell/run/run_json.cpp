@@ -298,6 +298,9 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   const double rubble = gauss > 0.0 ? j["counts"]["rubble_points"].get<double>() / gauss : 0.0;
   std::vector<std::string> told = warnings(run.books, run.simulation, run.coupler.residual_sum(), rubble);
   const std::string engine = recorder.peer() ? recorder.peer()->name : "";
+  if (recorder.peer())
+    for (std::string& note : engine_notes(run.setup, *recorder.peer()))
+      told.push_back(std::move(note) + "; take another engine where that matters");
   if (std::string heavy = heavy_warning(state.bodies, run.coupler.heavy_pair(), engine); !heavy.empty())
     told.push_back(std::move(heavy));
   if (const auto& [id, when] = run.coupler.blocked(); id != 0) told.push_back(blocked_warning(state.bodies, id, when));

@@ -6,6 +6,8 @@ import errno
 import fcntl
 import io
 import os
+import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -20,6 +22,7 @@ from sunder_tools.launch import build, engines, first_use, install, level, logge
 from sunder_tools.places import BUILD_DIR_VARIABLE
 
 from ..validation import programs
+from . import REPOSITORY
 
 
 class Building(unittest.TestCase):
@@ -364,6 +367,25 @@ class Logged(unittest.TestCase):
             self.assertEqual(logged.run_logged(["sh", "-c", "echo one; echo two >&2; exit 7"], log, None, lines.append), 7)
             self.assertEqual(lines, ["one", "two"])
             self.assertEqual(logged.tail(log, 1), "two")
+
+    def test_a_script_that_is_ended_takes_the_program_along(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            script = ("from pathlib import Path; from sunder_tools.launch.logged import run_logged; "
+                      f"run_logged(['sh', '-c', 'echo $$; exec sleep 600'], Path('{folder}/log'), None, "
+                      "lambda line: print(line, flush=True))")
+            with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                                  env={**os.environ, "PYTHONPATH": str(REPOSITORY / "coupler")}) as process:
+                assert process.stdout is not None
+                child = int(process.stdout.readline())
+                process.terminate()
+                self.assertEqual(process.stdout.read(), "")  # its end: nobody holds the pipe
+                process.wait()
+            for _ in range(600):  # the kernel may not have put it away yet
+                if not Path(f"/proc/{child}").exists() or "State:\tZ" in Path(f"/proc/{child}/status").read_text():
+                    break
+                time.sleep(0.1)
+            else:
+                self.fail(f"process {child} goes on")
 
 
 if __name__ == "__main__":

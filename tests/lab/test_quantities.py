@@ -52,6 +52,8 @@ class Motions(InFolder):
             np.testing.assert_allclose(force, np.tile([0.0, 0.0, FORCE], (count, 1)), rtol=1e-9)
         np.testing.assert_allclose(one.impulse[:, 2], FORCE * one.time, rtol=1e-9, atol=1e-15)
         self.assertEqual(one.contact_until, one.time[-1])
+        self.assertFalse(one.settled)
+        self.assertTrue(sunder.motion(write_run(self.here / "left", until=5)).settled)
         self.assertEqual(sunder.motion(write_run(self.here / "short", until=5)).contact_until, one.time[5])
 
     def test_largest_mean_force_is_the_impulse_over_its_interval(self) -> None:
@@ -102,6 +104,11 @@ class Motions(InFolder):
         self.assertTrue(math.isnan(results.probes["reaction_x"][-1]))
         self.assertEqual(results.probes.units["pellet_vz"], "m/s")
         scene = results.scene.message
+        scene.output.probes.add(name="contact", body="pellet", shell=scene.shells[0].name)  # is no probe of its motion
+        self.assertEqual(sunder.motion(results).contact_until, sunder.motion(results, "pellet").contact_until)
+        del scene.output.probes[0]
+        with self.assertRaisesRegex(sunder.Error, "no probe of 'pellet'; add output"):
+            sunder.motion(results, "pellet")
         del scene.output.probes[:]
         with self.assertRaisesRegex(sunder.Error, "no probe of 'pellet'; add output"):
             sunder.motion(results, "pellet")

@@ -16,7 +16,7 @@ from typing import Callable
 
 from . import REPOSITORY, sweeps
 import sunder
-from sunder_lab.sweep import _warnings, series_of
+from sunder_lab.sweep import _unsettled, _warnings, series_of
 from sunder_lab.table import Table
 from sunder_tools.pictures.plots import there
 
@@ -309,6 +309,14 @@ class Names(unittest.TestCase):
         rows = Table([{"member": member, "status": "done"} for member in ("a", "b", "c", "lost")])
         self.assertEqual(_warnings(self.out, rows), ["warning          2 of 4 runs, a first: 1.5 % of the points are rubble",
                                                      "warning          1 of 4 runs, b first: cracks"])
+        self.assertEqual(_unsettled(rows), [])
+
+    def test_runs_that_end_during_the_impact_are_told(self) -> None:
+        rows = Table([
+            {"member": name, "status": status, "settled": settled}
+            for name, status, settled in (("a", "done", 1.0), ("b", "done", 0.0), ("c", "failed", None))])
+        line, = _unsettled(rows)
+        self.assertIn("1 of 2 runs end while the body is still pushed", line)
 
     def test_an_interval_of_less_than_four_rows_is_told_before_a_run(self) -> None:
         rows = float(coarse()["window_s"])

@@ -4,8 +4,11 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import threading
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Callable
+from types import FrameType
+from typing import Callable, Iterator
 
 from ..errors import Interrupted
 from ..words import command_line
@@ -16,7 +19,7 @@ def run_logged(command: list[str], log: Path, cwd: Path | None = None,
     """Runs `command`, appends stdout and stderr to `log`, returns its exit status.
 
     `on_line` sees every line. On Ctrl-C or SIGTERM the program and its children get SIGINT, are
-    waited for, and the interruption goes on upwards.
+    waited for, and the interruption goes on upwards. So it is in a script that imports `sunder` and handles no signal.
     """
     # /usr/bin first: a cmake or ninja from a Python environment may not know Debian's packages.
     environment = {**os.environ, "PATH": "/usr/bin:/bin:" + os.environ.get("PATH", ""), "LC_ALL": "C.UTF-8"}
@@ -27,11 +30,12 @@ def run_logged(command: list[str], log: Path, cwd: Path | None = None,
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
         assert process.stdout is not None
         try:
-            for line in process.stdout:
-                sink.write(line)
-                if on_line:
-                    on_line(line.decode(errors="replace").rstrip())
-            return process.wait()
+            with _handled_here():
+                for line in process.stdout:
+                    sink.write(line)
+                    if on_line:
+                        on_line(line.decode(errors="replace").rstrip())
+                return process.wait()
         except (KeyboardInterrupt, Interrupted):
             try:
                 os.killpg(process.pid, signal.SIGINT)
@@ -41,6 +45,24 @@ def run_logged(command: list[str], log: Path, cwd: Path | None = None,
             raise
         finally:
             process.stdout.close()
+
+
+@contextmanager
+def _handled_here() -> Iterator[None]:
+    """Context: SIGTERM raises Interrupted, where it would end this process at once and leave the program running."""
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        yield
+        return
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        del number, frame
+        raise Interrupted
+
+    signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def tail(log: Path, lines: int) -> str:
