@@ -72,7 +72,8 @@ def _areas(shell: PolyData | None) -> np.ndarray:
 
 
 def fragments(splinter: float = SPLINTER) -> Any:
-    """Measures, for experiments, number and sizes of pieces of at least `splinter` of the shell's area."""
+    """Measures, for experiments, number and sizes of pieces of at least `splinter` of the shell's area: columns `pieces`,
+    `pieces_off`, those that came off, `largest_piece_m2`, `median_piece_m2` and `mean_piece_m2`."""
     def measure(results: Results) -> dict[str, float]:
         found = pieces(results)
         areas = found.counted(splinter)
@@ -84,7 +85,7 @@ def fragments(splinter: float = SPLINTER) -> Any:
 
 def radial_cracks(centre: tuple[float, float], radius_m: float) -> Any:
     """Measures, for experiments, cracks that cross a circle in the parameter domain [m] within 45 degrees of the
-    radius."""
+    radius: column `radial_cracks`."""
     def measure(results: Results) -> dict[str, float]:
         graph = results.cracks
         ends = np.zeros((0, 2, 2)) if graph is None else grown(graph).ends

@@ -60,7 +60,9 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
                     100.0 * share(audit.returned)));
   if (share(-b.healing) > kLargestGain)
     out.push_back(
-        fmt::format("damage that healed has made {:.1f} % of the energy there was", 100.0 * share(-b.healing)));
+        fmt::format("damage that healed has made {:.1f} % of the energy there was, as it bears again while it is "
+                    "strained: set fracture.healing to false where energy matters",
+                    100.0 * share(-b.healing)));
   if (b.injected > kAdded * b.fracture && share(b.injected) > kNoted)
     out.push_back(fmt::format(
         "cracks have added {:.1f} % of the energy that fracture took, at places and in moments where they "
@@ -82,8 +84,9 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
         fmt::format("{:.1f} % of the Gauss points are rubble, which bears nothing: refine", 100.0 * audit.rubble));
   if (share(-b.handoff) > kLargestGain)
     out.push_back(
-        fmt::format("pieces that were handed off as rigid bodies took {:.1f} % more energy with them than they had{}",
-                    100.0 * share(-b.handoff), audit.grid_transfer ? ": the grid glues what is cut" : ""));
+        fmt::format("pieces that were handed off as rigid bodies took {:.1f} % more energy with them than they had: {}",
+                    100.0 * share(-b.handoff),
+                    audit.grid_transfer ? "the grid glues what is cut; take transfer.kind DIRECT" : "refine"));
   if (share(audit.coupling) > kUncertain)
     out.push_back(fmt::format(
         "windows are too long for bodies that the shell pushes and the engine holds: {:.1f} % of the energy "

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 import sqlite3
 import tempfile
 import unittest
@@ -27,6 +28,17 @@ class InFolder(unittest.TestCase):
         self._folder = tempfile.TemporaryDirectory()
         self.addCleanup(self._folder.cleanup)
         self.here = Path(self._folder.name)
+
+
+class Columns(unittest.TestCase):
+    def test_the_page_lists_the_columns_of_every_measure(self) -> None:
+        page = (Path(__file__).resolve().parents[2] / "coupler" / "experiments" / "README.md").read_text(encoding="utf-8")
+        for begins, measure in (('| `sunder.impact("pellet")`', sunder.impact("pellet")), ("| `sunder.fragments()`", sunder.fragments()),
+                                ("| `sunder.radial_cracks(...)`", sunder.radial_cracks((0.0, 0.0), 1.0)),
+                                ('| `sunder.dent("sheet")`', sunder.dent("sheet"))):
+            row, = [line for line in page.splitlines() if line.startswith(begins)]
+            told = set(re.findall(r"`([a-z_A-Z0-9]+)`", row.split("|")[2])) - {"energy_NAME_J", "energy_taken"}
+            self.assertEqual(told, {name for name in measure.columns if not name.startswith("energy_")})
 
 
 class Masses(unittest.TestCase):
