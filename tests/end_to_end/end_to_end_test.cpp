@@ -144,6 +144,8 @@ TEST(Engines, SayBeforeTheRunWhatASceneWillMiss) {
     const bool misses = std::string(engine) == "freeflight";
     EXPECT_EQ(read_file(log).find("note: the engine 'freeflight' cannot do 'contact'") != std::string::npos, misses);
     EXPECT_EQ(read_file(log).find("note: ") != std::string::npos, misses) << read_file(log);
+    const std::string told = read_file(folder.path + "/run.json");  // its warnings
+    EXPECT_EQ(told.find("the engine 'freeflight' cannot do 'contact'") != std::string::npos, misses);
   }
 }
 

@@ -53,7 +53,7 @@ TEST(EngineNeeds, AreRefusedWithTheCapabilityAndWhoNeedsIt) {
        }},
       {capability::kJoints, "'pin'", [&](RunSetup& s) { s.joints = {hinge}, s.breaks = {JointBreak{}}; }},
       {capability::kReleaseJoints, "'pin'", [&](RunSetup& s) { s.joints = {hinge}, s.breaks = {weak}; }},
-      {capability::kCompound, "shards",
+      {capability::kCompound, "shards need; take another engine, or leave 'strength' and 'cuts' out",
        [](RunSetup& s) { s.shells.push_back({brittle_sheet(4)}), s.shells[0].fracture.mode = FractureMode::kTips; }},
       {capability::kExportRows, "EXPORTED", [](RunSetup& s) { s.coupling.scheme = CouplingRules::Scheme::kExported; }},
       {capability::kSaveRestore, "ITERATED", [](RunSetup& s) { s.coupling.scheme = CouplingRules::Scheme::kIterated; }},
@@ -84,7 +84,6 @@ TEST(EngineNotes, AreGivenOnlyWhereTheSceneFeelsTheLack) {
   setup.laws = {{0, 0, 0.0, 0.5}};
   EXPECT_EQ(engine_notes(setup, engine_without(capability::kRestitution)).size(), 1u);
   EXPECT_TRUE(engine_notes(setup, engine_without(capability::kFriction)).empty());  // the law has none
-  EXPECT_TRUE(engine_notes(setup, engine_without(capability::kSaveRestore)).empty());
   setup.checkpoint_interval = 1.0;
-  EXPECT_EQ(engine_notes(setup, engine_without(capability::kSaveRestore)).size(), 1u);
+  EXPECT_TRUE(engine_notes(setup, engine_without(capability::kSaveRestore)).empty());  // numbers are the same without
 }
