@@ -18,8 +18,8 @@ namespace sunder::shell {
 ///   unbooked()           Energy that counts as stored until it is booked [J/m^2]; null: none.
 ///   sound(forms, ref)    Lanes that bear; a law with kFolds needs none.
 ///   faces                Stress of the faces [Pa], of a law with kFolds.
-/// kRemembers: there is a state to keep. kFolds: a pack takes folded points at rest. book_rows and book_points add the
-/// sum of `booked` to the memory of the law.
+/// kRemembers: there is a state to keep. kAdvances: also where no stress is recorded. kFolds: a pack takes folded
+/// points at rest. book_rows and book_points add the sum of `booked` to the memory of the law.
 using LayerLaws = std::tuple<YieldingLayers,          //
                              WeakeningLayers<true>,   //
                              WeakeningLayers<false>,  //

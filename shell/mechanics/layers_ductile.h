@@ -156,7 +156,7 @@ inline Resultants<T> integrate_ductile_layers(const Forms<T>& f, const Reference
 /// The law of layers that yield and weaken, for both kernels. Points that are not watched yield as by YieldingLayers.
 template <bool kHeals>
 struct DuctileLayers {
-  static constexpr bool kRemembers = true, kFolds = true;
+  static constexpr bool kRemembers = true, kFolds = true, kAdvances = false;
   static bool in_force(const LayerMemory& m) {
     return YieldingLayers::in_force(m) && WeakeningLayers<kHeals>::in_force(m);
   }
@@ -247,13 +247,7 @@ struct DuctileLayers {
           for (std::size_t l = 0; l < places.t.layers.zeta.size(); ++l)
             set_lane(weak.damage[l], i, weak.points[i] ? weak.points[i]->history[l] : 0.0);
       const auto known = summed & (places.load(*law.forms, kFormFields, 0) > 0.0);
-      const auto before = [&](const T& now, int k) {
-        return select(known, places.load(*law.forms, kFormFields, k), now);
-      };
-      Forms<T> last{};
-      last.a = {before(f.a.c11, 0), before(f.a.c22, 1), before(f.a.c12, 2)};
-      last.b = {before(f.b.c11, 3), before(f.b.c22, 4), before(f.b.c12, 5)};
-      return last;
+      return flow.last_forms(f, known);
     }
   };
 

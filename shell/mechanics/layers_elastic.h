@@ -46,7 +46,7 @@ template <class T, bool kEnergy>
 
 /// The law of layers without memory, for both kernels.
 struct ElasticLayers {
-  static constexpr bool kRemembers = false, kFolds = false;
+  static constexpr bool kRemembers = false, kFolds = false, kAdvances = false;
   static bool in_force(const LayerMemory&) { return true; }
 
   template <class Places>

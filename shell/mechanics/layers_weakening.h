@@ -152,7 +152,7 @@ struct DamageLaw {
 /// The law of layers that weaken, for both kernels. Without healing the damage of a layer is its maximum over time.
 template <bool kHeals>
 struct WeakeningLayers {
-  static constexpr bool kRemembers = true, kFolds = false;
+  static constexpr bool kRemembers = true, kFolds = false, kAdvances = false;
   static bool in_force(const LayerMemory& m) {
     const bool rows = m.row_damage && m.row_damage->watched;
     return (rows && m.row_damage->heals == kHeals) || (m.point_damage && m.point_damage->heals == kHeals);

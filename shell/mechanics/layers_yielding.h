@@ -210,9 +210,10 @@ struct RowPlasticity {
   Yielding law;
   std::vector<double>* states = nullptr;  // [block][layer][change 11 22 12, strain][lane]; null: no layer yields
   // Forms at which the states last advanced: [block][kFormFields][lane]. The first is negative where the point did not
-  // bear; then the previous stress is taken as the present one.
+  // bear; then the previous stress is taken as the present one. The second is negative where a state of the point was
+  // ever written. Elsewhere all are zero, and nobody has to read them.
   std::vector<double>* forms = nullptr;
-  bool advance = false;     // states advance; only where stress is recorded
+  bool advance = false;     // states advance
   double dissipated = 0.0;  // gains the plastic work of states that advance [J]
   double* sums = nullptr;   // of DuctileLayers: plastic work by the sum_slot() of its place [J]
 };
@@ -220,7 +221,8 @@ struct RowPlasticity {
 /// The law of layers that yield, for both kernels.
 struct YieldingLayers {
   // A plastic hinge may fold more sharply than an elastic shell. A pack takes folded points at rest.
-  static constexpr bool kRemembers = true, kFolds = true;
+  // States advance by `advance`, whether or not stress is recorded.
+  static constexpr bool kRemembers = true, kFolds = true, kAdvances = true;
   static bool in_force(const LayerMemory& m) { return m.plastic && m.plastic->states; }
 
   template <class Places>
@@ -232,6 +234,7 @@ struct YieldingLayers {
     T work{};                             // plastic work per reference area [J/m^2]
     FaceStress<T> faces;                  // only where stress is recorded
     bool elastic = false;                 // no layer flows, or ever has
+    decltype(T{} < T{}) written{};        // lanes whose states may not be zero
     // leaves the arrays as they are: clearing them would cost as much as loading
     At(const Places& p, const RowPlasticity& plastic) : places(p), law(plastic) {}
 
@@ -241,12 +244,7 @@ struct YieldingLayers {
     [[gnu::noinline]] Resultants<T> integrate(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
       each_field([&](T& v, int fields, int field) { v = places.load(*law.states, fields, field); });
       const auto known = summed & (places.load(*law.forms, kFormFields, 0) > 0.0);
-      const auto before = [&](const T& now, int k) {
-        return select(known, places.load(*law.forms, kFormFields, k), now);
-      };
-      Forms<T> last{};
-      last.a = {before(f.a.c11, 0), before(f.a.c22, 1), before(f.a.c12, 2)};
-      last.b = {before(f.b.c11, 3), before(f.b.c22, 4), before(f.b.c12, 5)};
+      Forms<T> last = last_forms(f, known);
       return integrate_yielding_layers<T, kEnergy, kAdvance>(f, ref, places.t.layers, places.t.elasticity, law.law,
                                                              states, work, kRecord ? &faces : nullptr, &last);
     }
@@ -277,7 +275,8 @@ struct YieldingLayers {
     template <bool kEnergy, bool kRecord, class Mask>
     T keep(const Forms<T>& f, const Mask& own, const Mask& sound, const T& area, double& booked) {
       if (!law.advance) return T{};
-      const T now[kFormFields] = {f.a.c11, f.a.c22, f.a.c12, f.b.c11, f.b.c22, f.b.c12};
+      const auto writes = elastic ? written : written | sound;
+      const T now[kFormFields] = {f.a.c11, select(writes, -f.a.c22, f.a.c22), f.a.c12, f.b.c11, f.b.c22, f.b.c12};
       for (int k = 0; k < kFormFields; ++k)
         places.store(*law.forms, kFormFields, k, own, select(sound, now[k], splat<T>(-1.0)));
       if (elastic) return T{};
@@ -286,9 +285,24 @@ struct YieldingLayers {
       return T{};
     }
 
+    // The previous forms of lanes that are `known`, elsewhere `f`.
+    template <class Mask>
+    Forms<T> last_forms(const Forms<T>& f, const Mask& known) const {
+      const auto before = [&](const T& now, int k) {
+        return select(known, places.load(*law.forms, kFormFields, k), now);
+      };
+      const T a22 = before(f.a.c22, 1);
+      Forms<T> last{};
+      last.a = {before(f.a.c11, 0), select(a22 < 0.0, -a22, a22), before(f.a.c12, 2)};
+      last.b = {before(f.b.c11, 3), before(f.b.c22, 4), before(f.b.c12, 5)};
+      return last;
+    }
+
     // Prestress is not linear through the thickness: its layers are looked at one by one.
-    bool never_flowed() const {
+    bool never_flowed() {
       if (!places.t.layers.growth.empty() || places.t.layers.bending > 0.0) return false;
+      written = places.load(*law.forms, kFormFields, 1) < 0.0;
+      if (!any(written)) return true;
       const int count = static_cast<int>(places.t.layers.zeta.size());
       T strain{};
       for (int l = 0; l < count; ++l) strain += places.load(*law.states, 4 * count, 4 * l + 3);

@@ -190,8 +190,8 @@ template <bool kEnergy, bool kStress, class Law>
   const Resultants<Pack> r = law.template resultants<kEnergy, kStress>(forms, ref, summed);
   if constexpr (Law::kRemembers) {
     if constexpr (!Law::kFolds) summed &= law.sound(forms, ref);
-    if constexpr (kEnergy || kStress) {
-      const Pack retained = law.template keep<kEnergy, kStress>(forms, own, summed, area, sums.booked);
+    if constexpr (kEnergy || kStress || Law::kAdvances) {
+      [[maybe_unused]] const Pack retained = law.template keep<kEnergy, kStress>(forms, own, summed, area, sums.booked);
       if constexpr (kEnergy)
         for (int i = 0; i < kLanes; ++i) sums.retained += retained[i];
     }

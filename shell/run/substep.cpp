@@ -10,16 +10,6 @@
 #include "shell/solver/stepping/kick_drift.h"
 
 namespace sunder::shell {
-namespace {
-
-/// Weight of the new stress in the running mean that criteria of fracture and yielding use; 0: no mean is kept.
-double stress_share(const ShellPart& part, double dt) {
-  const double share = stress_share(part.setup->fracture, part.model(), dt);
-  return share > 0.0 || !part.state->yields() ? share : 1.0;
-}
-
-}  // namespace
-
 void substep(const Model& model, State& state, Scratch& scratch, double dt, double last) {
   const double kicked = 0.5 * (last + dt);
   internal_force(model, state, scratch, dt, last);
@@ -39,7 +29,9 @@ void internal_force(const Model& model, State& state, Scratch& scratch, double d
     const PaceOf measured(scratch.pace);
     side_by_side(state, scratch, at_once ? team : 1, [&](std::size_t k) {
       ShellPart& part = state.shells[k];
-      compute_forces(part.model(), *part.state, false, stress_share(part, dt), at_once ? 1 : team);
+      // the weight of the new stress in the running mean that criteria of fracture use; 0: no mean is kept
+      const double share = stress_share(part.setup->fracture, part.model(), dt);
+      advance_forces(part.model(), *part.state, share, at_once ? 1 : team);
     });
   }
   if (state.fibres) state.fibres->add_forces(refs(state, scratch));

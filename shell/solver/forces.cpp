@@ -15,6 +15,8 @@ RowPlasticity plasticity_of(const ShellModel& m, ShellState& s) {
   return plastic;
 }
 
+namespace {
+
 // Returns the least strength of each block of Gauss points [Pa].
 std::vector<double> least_strengths(const ShellState& s) {
   std::vector<double> least(s.cracked.tables.blocks());
@@ -25,7 +27,8 @@ std::vector<double> least_strengths(const ShellState& s) {
   return least;
 }
 
-double compute_forces(const ShellModel& m, ShellState& s, bool energy, double stress_share, int threads) {
+// Forces as by compute_forces(). Damage and flow advance where `advance` is true.
+double forces(const ShellModel& m, ShellState& s, bool energy, double stress_share, bool advance, int threads) {
   SurfaceStress stress;
   if (stress_share > 0.0) {
     s.caches.over.resize(s.cracked.tables.blocks());
@@ -33,7 +36,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
     stress = {&s.layers.face_stress, stress_share, &s.caches.least_strength, &s.caches.over};
   }
   RowPlasticity plastic;
-  if (s.yields()) plastic = plasticity_of(m, s), plastic.advance = stress_share > 0.0;
+  if (s.yields()) plastic = plasticity_of(m, s), plastic.advance = advance;
   RowDamage rows;
   if (!s.cracked.watched.empty())
     rows = {&s.cracked.watched, &s.layers.strength,   &s.cracked.point_of,
@@ -43,7 +46,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   s.book.healing -= rows.healed, s.book.fracture += rows.dissipated;
   DamageLaw law{&s.cracked.damage, s.layers.brittleness, s.layers.heals};
   const auto faces = [&](int chunk, int chunks, const double* x, double* force) {
-    interlock_forces(m, s, stress_share > 0.0, chunk, chunks, x, force);
+    interlock_forces(m, s, advance, chunk, chunks, x, force);
   };
   PointsBeside beside;
   if (!s.cracks.interlocks.empty()) beside = std::ref(faces);  // needs no memory
@@ -58,13 +61,23 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
     for (std::size_t i = 0; i < s.motion.force.size(); ++i) s.motion.force[i] += s.scratch.interlayer_force[i];
   }
   s.cracks.interlock_energy = interlock_energy(s);
-  if (stress_share > 0.0) book_faces(s);
+  if (advance) book_faces(s);
   if (!m.loads.empty()) {
     load_forces(m.loads, s.cracked.tables, s.cracked.gathered, s.motion.time, s.motion.x, threads, s.scratch.rows,
                 s.motion.external);
     for (std::size_t i = 0; i < s.motion.force.size(); ++i) s.motion.force[i] += s.motion.external[i];
   }
   return energy ? sum + s.cracks.interlock_energy : 0.0;
+}
+
+}  // namespace
+
+double compute_forces(const ShellModel& m, ShellState& s, bool energy, double stress_share, int threads) {
+  return forces(m, s, energy, stress_share, stress_share > 0.0, threads);
+}
+
+void advance_forces(const ShellModel& m, ShellState& s, double stress_share, int threads) {
+  forces(m, s, false, stress_share, stress_share > 0.0 || s.yields(), threads);
 }
 
 double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {

@@ -14,6 +14,10 @@ RowPlasticity plasticity_of(const ShellModel& model, ShellState& state);
 /// from the stored states.
 double compute_forces(const ShellModel& model, ShellState& state, bool energy, double stress_share, int threads);
 
+/// Forces of a substep, as by compute_forces() without energy: a shell that yields advances also where `stress_share`
+/// is 0, since nobody reads its stress.
+void advance_forces(const ShellModel& model, ShellState& state, double stress_share, int threads);
+
 /// Returns the kinetic energy [J] at the time of the positions: m v- . v+ / 2. v- are the stored velocities, v+ those
 /// after a kick of `dt` [s]. With the elastic energy of a linear shell, leapfrog conserves this sum to round-off at any
 /// stable step. It does not conserve (v- + v+)^2 / 8, which is far too large for the stiffest modes near the stable

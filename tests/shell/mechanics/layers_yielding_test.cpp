@@ -197,6 +197,44 @@ TEST(Plasticity, BesideACrackLayersYieldAsInTheirRows) {
     ASSERT_NEAR(before.layers.face_stress[i], whole.layers.face_stress[i], 1e-6 * kSteel.yield_stress);
 }
 
+// Where nobody reads the stress of faces, layers flow alike and none is recorded.
+TEST(Plasticity, AdvancesAlikeWithoutARecord) {
+  const ShellModel m = wide(kSteel.hardening_modulus);
+  ShellState recorded = make_state(m, Vec3::Zero(), 0), bare = recorded;
+  const double way[][2] = {{1e-4, 0.0}, {2e-3, 0.5}, {1e-3, 0.1}, {4e-3, -0.8}};
+  for (const auto& [e, k] : way) {
+    for (ShellState* s : {&recorded, &bare}) deform(m, *s, e, k);
+    compute_forces(m, recorded, false, 1.0, 1), advance_forces(m, bare, 0.0, 1);
+    for (std::size_t i = 0; i < bare.motion.force.size(); ++i)
+      ASSERT_NEAR(bare.motion.force[i], recorded.motion.force[i], 1e-6);  // round-off of 1e7 N
+    EXPECT_NEAR(bare.book.plastic, recorded.book.plastic, 1e-12 * recorded.book.plastic);
+  }
+  EXPECT_GT(bare.book.plastic, 0.0);
+  for (std::size_t i = 0; i < bare.layers.plastic.size(); ++i)
+    ASSERT_NEAR(bare.layers.plastic[i], recorded.layers.plastic[i], 1e-15);
+  for (const double s : bare.layers.face_stress) ASSERT_EQ(s, 0.0);
+}
+
+// States are read only where they were written: before the first flow, and in elements that never flow, none is.
+TEST(Plasticity, StatesThatWereNeverWrittenAreNotRead) {
+  const ShellModel m = wide(kSteel.hardening_modulus);
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  const ShellState first = s;
+  std::fill(s.layers.plastic.begin(), s.layers.plastic.end(), std::nan(""));
+  deform(m, s, 1e-4, 0.0);
+  const double elastic = compute_forces(m, s, true, 1.0, 1);
+  EXPECT_TRUE(std::isfinite(elastic));
+  deform(m, s, 2e-3, 0.5);
+  EXPECT_TRUE(std::isnan(compute_forces(m, s, true, 1.0, 1)));
+  s = first;
+  deform(m, s, 2e-3, 0.5);
+  compute_forces(m, s, true, 1.0, 1);  // flows; what it has written is read again far below the yield stress
+  const double work = s.book.plastic;
+  EXPECT_GT(work, 0.0);
+  deform(m, s, 0.0, 0.0);
+  EXPECT_GT(compute_forces(m, s, true, 0.0, 1), 0.1 * work);
+}
+
 TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
   // resultants would tell 1.5 times as much
   const double first_yield = 2.0 * kSteel.yield_stress / (kSteel.youngs_modulus * 0.01);
