@@ -76,7 +76,7 @@ void transfer(Transfer kind, double spacing, std::size_t stride, const std::vect
               std::vector<double>& v, std::vector<double>& moving, std::vector<double>& affine) {
   if (kind == Transfer::kDirect) return;
   moving.resize(3 * stride);
-  affine.resize(9 * stride, 0.0);
+  if (kind == Transfer::kApic) affine.resize(9 * stride, 0.0);
   const auto run = kind == Transfer::kFlip   ? through<Transfer::kFlip>
                    : kind == Transfer::kApic ? through<Transfer::kApic>
                                              : through<Transfer::kPic>;

@@ -25,8 +25,8 @@ struct TransferBuffers {
 /// Sends velocities [m/s] through a grid of `spacing` [m]. Arrays are [component][stride]: coordinate d of particle i
 /// is x[d * stride + i]. A particle of mass 0 is absent. `before` holds the velocities before forces and contact, `v`
 /// those after; `v` becomes the velocity that the grid returns. `moving` becomes the velocity of the positions.
-/// `affine` [9][stride] is the state of APIC [1/s], zero at the start. Momentum is conserved; with APIC angular
-/// momentum too.
+/// `affine` [9][stride] is the state of APIC [1/s], zero at the start; others leave it empty. Momentum is conserved;
+/// with APIC angular momentum too.
 void transfer(Transfer kind, double spacing, std::size_t stride, const std::vector<double>& mass,
               const std::vector<double>& x, const std::vector<double>& before, int threads, TransferBuffers& buffers,
               std::vector<double>& v, std::vector<double>& moving, std::vector<double>& affine);

@@ -36,7 +36,7 @@ void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules
   for (std::size_t i = 0; i < stride; ++i) {
     if (s.motion.inverse_mass[i] > 0.0) continue;
     for (int d = 0; d < 3; ++d) s.motion.v[d * stride + i] = s.motion.moving[d * stride + i] = 0.0;
-    for (int e = 0; e < 9; ++e) s.motion.affine[e * stride + i] = 0.0;
+    for (int e = 0; e < 9 && !s.motion.affine.empty(); ++e) s.motion.affine[e * stride + i] = 0.0;
   }
   std::vector<double> impulse;  // velocities that only move positions have no momentum
   impulse.swap(s.motion.support_impulse);
