@@ -60,6 +60,7 @@ int run(const Program& program, int argc, char** argv) {
       ->take_last();
   app.add_option("--keys", options.keys, "Folder of keys: the session is encrypted")->take_last();
   app.add_flag("--resume", options.resume, "Goes on from the checkpoint in the run folder");
+  app.add_flag("--profile", options.profile, "Writes profile.json: the stages beside the limits of this machine");
   app.add_flag("--check", check, "Checks the scene, says what it will cost, and ends");
   app.add_option("--modes", modes.count, "Finds this many modes of vibration, writes them to --out, and ends")
       ->check(CLI::Range(1, kMostModes))
@@ -97,6 +98,9 @@ int run(const Program& program, int argc, char** argv) {
         scene.message.shells(i).name());
   require(options.until <= 0.0 || setup.steps == 0, "--until {}: nothing moves in this scene; leave it out",
           options.until);
+  require(!options.profile || !setup.shells.empty(),
+          "--profile: the scene has no shell, and only stages of shells have a model; leave it out");
+  require(!options.profile || setup.steps == 0, "--profile: nothing moves in this scene; leave it out");
   if (check) {
     fmt::print("{}", check_report(scene, setup));
     return 0;

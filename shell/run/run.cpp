@@ -34,6 +34,7 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
   interrupted_ = &interrupted;
   try {
     start();
+    if (options_.profile) profile_ = std::make_unique<Profile>(simulation_);
     while (clock_.tick < end_tick() && !interrupted) window();
     if (!recorder_.has_frame_of_now()) recorder_.write_frame();
     recorder_.write_tables();  // the rows of the last window came after its frame
@@ -119,6 +120,7 @@ void Run::check_peer_and_progress() {
 
 void Run::finish(const char* status) {
   rigid_->bye();
+  if (profile_) profile_->write(options_.out);
   const link::EngineInfo& engine = rigid_->peer();
   const std::string who = fmt::format("{} {}", engine.name, engine.version);
   recorder_.write_trace(options_.program,

@@ -7,6 +7,7 @@
 
 #include "coupler/core/error.h"
 #include "coupler/link/remote.h"
+#include "shell/run/profile.h"
 #include "shell/run/recorder.h"
 
 namespace sunder::shell {
@@ -21,6 +22,7 @@ struct RunOptions {
   std::string keys;                    // folder of the keys of an encrypted session; empty: none
   std::string program, rigid_program;  // names of this program and of the rigid side's, for the trace; empty: not known
   bool resume = false;                 // continue from the checkpoint in `out`
+  bool profile = false;                // write profile.json at the end
   /// Connects to the rigid side. Called once, at the start.
   std::function<std::unique_ptr<link::RigidLink>(const RunOptions&)> connect;
   std::function<void(const link::TimedReply&)> heard;  // set by the run when it is traced
@@ -100,6 +102,7 @@ class Run {
   std::unique_ptr<link::RigidLink> rigid_;
   const std::atomic<bool>* interrupted_ = nullptr;
   WindowStart window_motion_;
+  std::unique_ptr<Profile> profile_;     // null: no profile is asked for
   double dt_ = 0.0;                      // substep of the last window [s]
   double last_push_ = -1.0;              // time of the last contact of a moving body of the scene with the shell [s]
   std::int64_t next_mark_ = kFirstMark;  // [windows]

@@ -39,6 +39,7 @@ void Run::shell_window() {
   const std::vector<RigidBody> births = hand_off_pieces(steps.dt);
   coupler_.exchange(steps.ticks, steps.window, births);
   close_books(steps.dt);
+  if (profile_) profile_->count(steps.n);
   coupler_.adapt_window(books_.scale);
   window_motion_.time = -1.0;
   if (simulation_.crack_length() <= cracks_before) return;

@@ -17,15 +17,14 @@
 
 #include "coupler/core/command_line.h"
 #include "coupler/core/error.h"
+#include "shell/mechanics/operations.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
 #include "shell/solver/forces.h"
 #include "tests/benchmarks/absent.h"
 #include "tests/benchmarks/beside.h"
-#include "tests/benchmarks/counting.h"
 #include "tests/benchmarks/two_processes.h"
 #include "tests/shell/rig.h"
-// the counting type must be known before the templates that it runs
-#include "shell/solver/cracking/insertion.h"
-#include "shell/solver/cracking/polyline.h"
 
 namespace {
 
@@ -161,37 +160,6 @@ void triad(benchmark::State& b) {
   b.counters["bytes"] = 24.0 * static_cast<double>(x.size());
 }
 
-// Floating-point operations of a Gauss point, by running its formulas with the counting type. Contractions with the
-// bases are those of the row kernel: along v three sums of three for each of nine rows, shared by the Gauss points of a
-// row; along u fifteen sums of three, and back.
-double operations_per_gauss_point(const Sheet& s) {
-  const RowTables& t = s.model.tables;
-  const int block = t.blocks() / 2, lane = t.spans_u / 2;
-  const double* m = &t.metric[t.at(block, kMetricFields, 0, lane)];
-  const auto field = [&](int k) { return Counting(m[k * t.lanes]); };
-  const ReferenceMetric<Counting> ref{{field(kA11), field(kA22), field(kA12)}, {field(kB11), field(kB22), field(kB12)}};
-  GatheredPoint p;
-  p.functions = patch_functions(s.model.patch, gauss_point(s.model.patch, t, block, lane).parameter, t.stride);
-  const Derivatives<double> d = gather(t, p, s.state.motion.x);
-  const auto vector = [](const Vector<double>& v) { return Vector<Counting>{v.x, v.y, v.z}; };
-  const Derivatives<Counting> c{vector(d.u), vector(d.v), vector(d.uu), vector(d.vv), vector(d.uv)};
-  Counting::operations = 0;
-  const Forms<Counting> f = surface_forms(c);
-  const Resultants<Counting> r = integrate_layers<Counting, false>(f, ref, t.layers, t.elasticity);
-  section_forces(c, f, r, field(kArea));
-  const auto three = [](int sums) {
-    Counting x = 0.0;
-    for (int k = 0; k < sums; ++k) x = Counting(1.0) * 2.0 + Counting(1.0) * 2.0 + Counting(1.0) * 2.0;
-  };
-  three(15);                                                              // along u
-  for (int k = 0; k < 3 * 3 * 5; ++k) (void)(Counting(1.0) * 2.0 + 3.0);  // and back: 5 derivatives, 3 functions, x y z
-  const std::int64_t own = Counting::operations;
-  Counting::operations = 0;
-  three(9);                                                               // along v
-  for (int k = 0; k < 3 * 3 * 3; ++k) (void)(Counting(1.0) * 2.0 + 3.0);  // and back
-  return static_cast<double>(own) + static_cast<double>(Counting::operations) / t.gauss;
-}
-
 // Whether a benchmark reported an error. The member has another name from version 1.8 of the library on.
 template <class Run>
 bool failed(const Run& r) {
@@ -295,7 +263,7 @@ void measure_kernels(const std::string& filter, std::map<std::string, double>& o
   }
   if (seconds("fma") > 0.0) out["fma_peak_gflops"] = 1e-9 * minima.counter["fma"] / seconds("fma");
   if (seconds("triad") > 0.0) out["memory_gb_per_s"] = 1e-9 * minima.counter["triad"] / seconds("triad");
-  const double operations = operations_per_gauss_point(*middle);
+  const double operations = operations_of_row_point(middle->model.tables);
   out["operations_per_layer_point"] = operations / kLayers;
   if (seconds("force_160k") > 0.0)
     out["achieved_gflops"] = 1e-9 * operations * middle->layer_points / kLayers / seconds("force_160k");

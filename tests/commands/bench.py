@@ -19,8 +19,10 @@ def add_parser(subparsers: Subparsers) -> None:
         "same run; what a window's exchange with an engine in another process costs, and a whole run.")
     parser.add_argument("--filter", metavar="NAME", dest="pattern", help="benchmarks whose name holds NAME")
     parser.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the numbers as JSON")
+    parser.add_argument("--profile", metavar="FILE", type=Path,
+                        help="draw the force kernel's rates under the machine's limits (.png, .svg or .pdf)")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the benchmarks; returns the exit status. Raises CommandError."""
-    return bench(arguments.pattern, arguments.report)
+    return bench(arguments.pattern, arguments.report, arguments.profile)

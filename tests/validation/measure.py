@@ -5,6 +5,7 @@ import itertools
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -141,15 +142,39 @@ def _without_nan(value: object) -> object:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def bench(pattern: str | None, report: Path | None) -> int:
-    """Runs the benchmarks with `pattern` in their names."""
+def bench(pattern: str | None, report: Path | None, profile: Path | None = None) -> int:
+    """Runs the benchmarks with `pattern` in their names. `profile`: draws the rates of the force kernel there."""
     command = [str(program("sunder-bench"))]
     if pattern:
         command += ["--filter", pattern]
     if report is not None:
         _can_write(report)
-        command += ["--json", str(report)]
-    return run_program(command)
+    if profile is not None:
+        if pattern:
+            raise CommandError(f"--profile {profile}: takes kernels and limits that --filter {pattern} leaves out; leave --filter out",
+                               BAD_INPUT)
+        _can_plot(profile, "--profile")
+    with tempfile.TemporaryDirectory() as folder:
+        numbers = report if report is not None else Path(folder) / "bench.json" if profile is not None else None
+        if numbers is not None:
+            command += ["--json", str(numbers)]
+        status = run_program(command)
+        if profile is not None and numbers is not None and status == DONE:
+            _draw_kernels(json.loads(numbers.read_text()), profile)
+    return status
+
+
+def _draw_kernels(numbers: dict[str, float], path: Path) -> None:
+    """Draws the force kernel at each size under the limits of the same run. Raises OSError."""
+    from sunder_tools.pictures.plots import write_panels
+    from sunder_tools.pictures.roofline import Rate, roofs
+    key = "force_ns_per_layer_point_"
+    sizes = [name.removeprefix(key) for name in numbers if re.fullmatch(key + r"\d+k", name)]
+    operations, moved, peak, memory = (numbers[name] for name in (
+        "operations_per_layer_point", "bytes_per_layer_point", "fma_peak_gflops", "memory_gb_per_s"))
+    sizes.sort(key=lambda size: int(size[:-1]))
+    write_panels([roofs(peak, [Rate(f"force, {size} layer points", operations / moved, operations / numbers[key + size],
+                                    memory) for size in sizes], "rates of the force kernel, one thread")], path)
 
 
 def _can_write(path: Path) -> None:
@@ -164,15 +189,15 @@ def _can_write(path: Path) -> None:
         raise CommandError(f"cannot write {path}: {error.strerror or error}", BAD_INPUT) from None
 
 
-def _can_plot(path: Path) -> None:
+def _can_plot(path: Path, option: str = "--plots") -> None:
     from sunder_tools.pictures.plots import ENDINGS, need_matplotlib
     if path.suffix not in ENDINGS:
-        raise CommandError(f"--plots: cannot write {path}: '{path.suffix}' is none of {', '.join(ENDINGS)}", BAD_INPUT)
+        raise CommandError(f"{option}: cannot write {path}: '{path.suffix}' is none of {', '.join(ENDINGS)}", BAD_INPUT)
     _can_write(path)
     try:
         need_matplotlib()
     except CommandError as error:
-        raise CommandError(f"--plots: {error}", BAD_INPUT) from None
+        raise CommandError(f"{option}: {error}", BAD_INPUT) from None
 
 
 def _make_folder(path: Path) -> None:

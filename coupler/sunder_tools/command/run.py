@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..errors import BAD_INPUT, CommandError
 from ..launch.fidelity import PRESETS, with_fidelity
-from ..launch.run import Job, run_scene
+from ..launch.run import Draw, Job, run_scene
 from .parser import Subparsers, add_choice, add_command, add_scene, add_settings, need_scene, positive_seconds, threads
 
 NAME = "run"
@@ -33,6 +33,9 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--record", action="store_true", help="keep all messages in session.rec, for 'sunder replay'")
     parser.add_argument("--trace", action="store_true",
                         help="trace.json: both processes on one clock, for Perfetto or chrome://tracing")
+    parser.add_argument("--profile", action="store_true",
+                        help="profile.json and profile.png: the stages of a substep beside the limits of this machine,\n"
+                             "which are measured at the end of the run")
     parser.add_argument("--keys", metavar="DIR", type=Path,
                         help="folder made by 'sunder keys'; encrypts the messages, which tcp:// to another machine requires")
     parser.add_argument("--until", metavar="SECONDS", type=positive_seconds,
@@ -58,8 +61,9 @@ def run(arguments: argparse.Namespace) -> int:
     need_scene(arguments.scene)
     settings = with_fidelity(arguments.scene, arguments.settings, arguments.fidelity, arguments.quiet, arguments.until)
     job = Job(arguments.scene, arguments.rigid, tuple(settings), arguments.until, arguments.threads, arguments.keys,
-              arguments.record, arguments.trace, arguments.fidelity)
-    return run_scene(job, arguments.out, arguments.quiet, draw=_draw if arguments.pictures else None)
+              arguments.record, arguments.trace, arguments.fidelity, arguments.profile)
+    return run_scene(job, arguments.out, arguments.quiet, draw=_draw if arguments.pictures else None,
+                     draw_profile=_profile_picture(arguments))
 
 
 def _resume(arguments: argparse.Namespace) -> int:
@@ -71,8 +75,22 @@ def _resume(arguments: argparse.Namespace) -> int:
     if not kept.scene.is_file():
         raise CommandError(f"{kept.scene}: no such scene file; the run in {arguments.resume} was of it")
     job = Job(kept.scene, kept.engine, kept.settings, arguments.until or kept.until, arguments.threads or kept.threads,
-              arguments.keys, trace=arguments.trace, fidelity=kept.fidelity)
-    return run_scene(job, None, arguments.quiet, arguments.resume, _draw if arguments.pictures else None)
+              arguments.keys, trace=arguments.trace, fidelity=kept.fidelity, profile=arguments.profile)
+    return run_scene(job, None, arguments.quiet, arguments.resume, _draw if arguments.pictures else None,
+                     _profile_picture(arguments))
+
+
+def _profile_picture(arguments: argparse.Namespace) -> Draw | None:
+    """What draws the profile. Raises CommandError where it is asked for and cannot be drawn, before anything is run."""
+    if not arguments.profile or not arguments.pictures:
+        return None
+    from ..pictures.plots import need_matplotlib
+    from ..pictures.roofline import write_profile
+    try:
+        need_matplotlib()
+    except CommandError as error:
+        raise CommandError(f"--profile: {error}; or leave the picture out with --no-pictures", BAD_INPUT) from None
+    return write_profile
 
 
 def _draw(folder: Path) -> Path:

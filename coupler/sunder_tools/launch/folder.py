@@ -9,11 +9,13 @@ import time
 from pathlib import Path
 
 from ..errors import CommandError
+from ..report.profile import PROFILE_FILE, PROFILE_PICTURE
 from ..report.scene_text import SCENE_COPY
 
 # What a run writes. Replacing a run removes these and nothing else that somebody put there.
 RUN_FILES = ("run.json", "series.csv", "probes.csv", "shards.csv", "frames.pvd", "frames", "contact_sheet.png", "shell.log",
-             "rigid.log", "command.json", "usage.json", "session.rec", "trace.json", SCENE_COPY, "checkpoint/state", "film.mp4", "film.gif", "stills", "export")
+             "rigid.log", "command.json", "usage.json", "session.rec", "trace.json", PROFILE_FILE, PROFILE_PICTURE,
+             SCENE_COPY, "checkpoint/state", "film.mp4", "film.gif", "stills", "export")
 MADE = {"frames": "*.vtp*", "stills": "still_*.png", "export": "frame_*"}  # in the folders among them
 TRIES = 20  # to take a folder that others make and remove at the same time
 PROBE_BYTES = 1 << 20  # room that has to be there before anything is launched

@@ -16,6 +16,7 @@ from typing import Callable, Iterator
 
 from ..errors import BAD_INPUT, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
 from ..report import run_json
+from ..report.profile import PROFILE_FILE, PROFILE_PICTURE, read_profile, table
 from ..report.summary import summary
 from ..words import command_line
 from . import engines, first_use
@@ -44,12 +45,14 @@ class Job:
     record: bool = False
     trace: bool = False
     fidelity: str | None = None  # of which preset some of the settings are
+    profile: bool = False
 
     def shell_arguments(self) -> list[str]:
         """Arguments of the fracture process, without --out and the rigid side."""
         out = ["--scene", str(self.scene)]
         for setting in self.settings:
             out += ["--set", setting]
+        out += ["--profile"] if self.profile else []
         return out + (["--until", self.until] if self.until else [])
 
     def write(self, folder: Path) -> None:
@@ -70,10 +73,12 @@ class Job:
             raise CommandError(f"{path}: does not say what was run ({error}); name the folder of a run") from None
 
 
-def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = None, draw: Draw | None = None) -> int:
+def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = None, draw: Draw | None = None,
+              draw_profile: Draw | None = None) -> int:
     """Runs a scene from check to pictures; returns the exit status. Raises CommandError.
 
-    `draw` draws the pictures of a run folder and returns the file; there are none without it.
+    `draw` draws the pictures of a run folder and returns the file; there are none without it. `draw_profile` draws that of
+    its profile.json, where the job asks for one.
     """
     if out is not None:
         refuse_foreign(out)
@@ -114,6 +119,8 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
         if keep and not (resume and status == BAD_INPUT):
             _settle_run_json(folder.path, status, message, ending, going_on)
             _finish(folder, quiet, draw)
+            if job.profile:
+                _show_profile(folder.path, quiet, draw_profile)
         if going_on:
             print(f"sunder: {going_on}", file=sys.stderr)
         return status
@@ -306,3 +313,18 @@ def _finish(folder: RunFolder, quiet: bool, draw: Draw | None) -> None:
             print(f"sunder: no contact sheet: {type(error).__name__}: {error}", file=sys.stderr)
     if not quiet:
         print(summary(folder.path, sheet), flush=True)
+
+
+def _show_profile(folder: Path, quiet: bool, draw: Draw | None) -> None:
+    """Prints the table of profile.json and draws its picture. The solver writes none of a run that fails."""
+    profile = read_profile(folder)
+    if profile is None:
+        print(f"sunder: no profile: the run did not come to its {PROFILE_FILE}", file=sys.stderr)
+        return
+    if not quiet:
+        print(table(profile), flush=True)
+    try:
+        if draw is not None:
+            draw(folder)
+    except (CommandError, OSError) as error:  # the run and its numbers stand
+        print(f"sunder: no {PROFILE_PICTURE}: {error}", file=sys.stderr)
