@@ -5,6 +5,7 @@ import contextlib
 import io
 import json
 import tempfile
+import math
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -12,7 +13,7 @@ from unittest import mock
 import numpy as np
 
 from sunder_tools.pictures.crack_lines import Graph
-from tests.validation import crack_books, crack_paths, experiments, impacts, mirrors, tearing, trials
+from tests.validation import bends, crack_books, crack_paths, experiments, fragments, impacts, mirrors, tearing, trials
 
 from .synthetic import write_vtp
 
@@ -186,12 +187,49 @@ class Inline:
         pass
 
 
+class Fragments(unittest.TestCase):
+    def test_sizes_fall_with_the_rate_by_the_power_of_grady(self) -> None:
+        self.assertAlmostEqual(fragments.published_size(1e-9), 4.5, places=4)
+        self.assertAlmostEqual(fragments.published_size(8e9) / fragments.published_size(1e9), 0.25, places=4)
+
+    def test_distance_from_rayleigh(self) -> None:
+        share = (np.arange(1000) + 0.5) / 1000
+        rayleigh = np.sqrt(-np.log(1.0 - share))
+        self.assertLess(fragments.from_rayleigh(5.0 * rayleigh), 0.01)
+        self.assertGreater(fragments.from_rayleigh(np.ones(100)), 0.4)
+        self.assertGreater(fragments.from_rayleigh(-np.log(1.0 - share)), 0.1)
+
+    def test_flaws_are_those_of_the_places_on_any_grid(self) -> None:
+        coarse, fine = fragments.Strip("damage", 1.0, 10), fragments.Strip("damage", 1.0, 15)
+        self.assertAlmostEqual(coarse.length, fine.length)
+        places = np.linspace(0.0, fragments.EXPECTED, 50)
+        np.testing.assert_array_equal(fragments.flaws(coarse, places), fragments.flaws(fine, places))
+        self.assertAlmostEqual(float(fragments.flaws(coarse, (np.arange(600) + 0.5) / 10).mean()), 1.0)
+
+    def test_a_bar_solved_alone_breaks_into_what_is_published(self) -> None:
+        sizes = fragments.solved(fragments.Strip("damage", 0.3, fragments.FINER))
+        self.assertAlmostEqual(sizes.sum(), fragments.EXPECTED * fragments.published_size(0.3))
+        self.assertLess(abs(sizes.mean() / fragments.published_size(0.3) - 1.0), fragments.WITHIN)
+
+
+class Flap(unittest.TestCase):
+    def test_exponent_of_two_cracks(self) -> None:
+        left = np.linspace(0.0, 0.02, 50)
+        for power in (8 / 11, 1.0):
+            width = 0.01 * (left / 0.02) ** power
+            sides = [np.stack([0.03 - left, 0.015 + sign * 0.5 * width], axis=1) for sign in (-1, 1)]
+            ends = np.concatenate([np.stack([a[:-1], a[1:]], axis=1) for a in sides])
+            self.assertAlmostEqual(tearing.flap_exponent(ends, 0.015, 0.012), power, places=6)
+        self.assertTrue(math.isnan(tearing.flap_exponent(ends[:1], 0.015, 0.012)))
+
+
 class Registry(unittest.TestCase):
     def test_every_experiment_that_comes_later_exists(self) -> None:
         for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "snapped", "tough", "heavy", "pieces")),
                               (crack_books, ("books", "many")),
                               (crack_paths, ("modes", "pressed_plate", "kalthoff", "branching", "share")),
-                              (mirrors, ("mirror",)), (tearing, ("trousers",))):
+                              (mirrors, ("mirror",)), (tearing, ("trousers", "flap")),
+                              (fragments, ("strip",)), (bends, ("bent_section",))):
             for name in names:
                 self.assertTrue(callable(getattr(module, name)))
                 self.assertIn(name, [e.name for e in experiments.EXPERIMENTS["cracks"]])

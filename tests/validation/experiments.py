@@ -191,6 +191,11 @@ EXPERIMENTS = {"shells": (
                _later("mirrors", "mirror")),
     Experiment("trousers", "force that tears a sheet out of its plane, three spacings (trousers test)",
                _later("tearing", "trousers")),
+    Experiment("flap", "the course of two cracks beside a pulled flap (Brau 2014)", _later("tearing", "flap")),
+    Experiment("strip", "mean size of fragments of a strip over the rate at which it is stretched, six rates, both modes, "
+               "two spacings (Zhou, Molinari, Ramesh 2006)", _later("fragments", "strip")),
+    Experiment("bent_section", "what a bent section takes until damage cuts it, 2 to 9 layers, two spacings",
+               _later("bends", "bent_section")),
     Experiment("share", "what cracks cost while they grow, and with their number", _later("crack_paths", "share")),
     Experiment("many", "a thousand pieces of a pane that a blast breaks", _later("crack_books", "many")),
     Experiment("books", "energy that cracks add and that no book has, momentum that pieces carry, seven scenes",

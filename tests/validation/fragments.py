@@ -1,0 +1,226 @@
+"""Strips that are stretched at an even rate until they break: size of the fragments over the rate.
+
+Zhou, Molinari and Ramesh (Int. J. Fracture 139, 169, 2006; Applied Physics Letters 88, 261918, 2006) solve a thin ring
+that expands, with cohesive cracks that soften in a straight line. With s0 = E G_f / strength^2 and the rate
+r0 = c strength^3 / (E^2 G_f), the mean size is s0 4.5 / (1 + 4.5 (rate / r0)^(2/3)), and sizes have Rayleigh's
+distribution. A strip whose every point moves away from the middle in proportion to its distance is such a ring, cut open.
+`solved` is the same problem with the same flaws in one dimension, without anything of the solver.
+"""
+from __future__ import annotations
+
+import csv
+import math
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sunder_tools.launch.build import Executables
+from sunder_tools.pictures.frames import SHELL, list_frames
+from sunder_tools.pictures.meshes import reference_points
+from sunder_tools.report.run_json import read_run
+
+from .patterns import distance
+from .trials import MOST_MISSING, Table, kept_run
+
+YOUNG, DENSITY, STRENGTH, FRACTURE_ENERGY = 1e9, 1e3, 1e6, 10.0  # strains stay at a thousandth: nothing but cracks is nonlinear
+SPEED = math.sqrt(YOUNG / DENSITY)                               # [m/s] of waves along the strip
+SIZE = YOUNG * FRACTURE_ENERGY / STRENGTH ** 2                   # [m], s0
+RATE = SPEED * STRENGTH ** 3 / (YOUNG ** 2 * FRACTURE_ENERGY)    # [1/s], r0
+RATES = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)                         # of r0
+MODES = ("damage", "tips")
+GRIDS = (10, 15)  # elements along a fragment of the published size
+EXPECTED = 60     # fragments
+ACROSS = 4        # elements; a crack needs a line that is longer than a few Gauss points
+MODULUS = 50.0    # of Weibull's scatter from place to place along the strip; a strip without any fails everywhere at once
+BAND = 1.43       # [spacings]: width over which damage takes G_f (case `bar`)
+RELEASED = 0.9    # share of the time until the strength is reached, from which on all but the ends moves by itself
+WITHIN = 0.2
+BETWEEN_GRIDS = 0.15    # twice the standard error of the mean of EXPECTED sizes of Rayleigh's distribution
+FROM_SOLVED = 0.15      # the same for mode DAMAGE, whose law is that of `solved`
+FROM_RAYLEIGH = 0.1     # chosen
+APART = 0.1             # chosen; between the sizes of mode DAMAGE and those that are solved
+FINER = 40              # elements along a fragment in `solved`
+STEP = 0.1              # [of the passage of a wave over an element] in `solved`
+STIFF = 1e-3            # [of the opening at which nothing is borne]: unloading in `solved` is no stiffer than from there
+OFF = 0.01  # [of the strip's section]: smaller pieces are chips of the border
+
+
+def published_size(rate: float) -> float:
+    """Returns the mean size over s0 at a rate over r0."""
+    return 4.5 / (1.0 + 4.5 * rate ** (2.0 / 3.0))
+
+
+def from_rayleigh(sizes: np.ndarray) -> float:
+    """Returns the largest difference between the cumulative distribution of sizes (n,), over their mean, and Rayleigh's
+    with a mean of 1."""
+    x = np.sort(np.asarray(sizes, float))
+    x = x / x.mean()
+    model = 1.0 - np.exp(-0.25 * math.pi * x * x)
+    count = len(x)
+    return float(np.maximum(model - np.arange(count) / count, np.arange(1, count + 1) / count - model).max())
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A strip and its loading."""
+    mode: str
+    rate: float  # of r0
+    grid: int    # elements along a fragment of the published size
+    seed: int = 1
+
+    @property
+    def spacing(self) -> float:
+        """Returns the side of an element [m]."""
+        return published_size(self.rate) * SIZE / self.grid
+
+    @property
+    def elements(self) -> int:
+        return EXPECTED * self.grid
+
+    @property
+    def length(self) -> float:
+        return self.elements * self.spacing
+
+    @property
+    def width(self) -> float:
+        return ACROSS * self.spacing
+
+
+def flaws(strip: Strip, places: np.ndarray) -> np.ndarray:
+    """Returns factors of the strength at places (n,) along a strip [of the published size], the same on all grids."""
+    first = np.random.default_rng(strip.seed).weibull(MODULUS, EXPECTED * GRIDS[0])
+    return np.interp(places * GRIDS[0], np.arange(len(first)) + 0.5, first / first.mean())
+
+
+def solved(strip: Strip) -> np.ndarray:
+    """Returns sizes (n,) over s0 of the fragments of a bar of two-node elements. Any node opens at its strength, then bears
+    less in a straight line down to nothing, unloads towards zero, and is stiff where it closes. Lengths are in s0, times in
+    s0 / c, stresses in the strength."""
+    h = published_size(strip.rate) / FINER
+    count = EXPECTED * FINER
+    x = h * np.arange(count + 1)
+    strength = flaws(strip, x / (h * FINER))
+    gone = 2.0 * strength  # opening at which nothing is borne, over strength s0 / E: G_f goes with the square of the strength
+    strength[[0, -1]] = math.inf
+    pull = strip.rate * (x - 0.5 * x[-1])
+    held = RELEASED * float(strength.min()) / strip.rate
+    left, right, slow, fast = held * pull, held * pull, pull.copy(), pull.copy()  # displacements and velocities of both sides
+    open_, most = np.zeros(count + 1, bool), np.zeros(count + 1)
+    step = STEP * h
+    for _ in range(int((0.3 / strip.rate + 12.0 / (strip.rate * published_size(strip.rate)) + 3.0) / step)):
+        stress = (left[1:] - right[:-1]) / h
+        before, after = np.append(0.0, stress), np.append(stress, 0.0)
+        open_ |= 0.5 * (before + after) >= strength
+        gap = right - left
+        first = open_ & (np.maximum(most, gap) <= STIFF * gone) & (gap >= 0.0)
+        most = np.where(open_, np.maximum(np.maximum(most, gap), STIFF * gone), 0.0)
+        bears = np.where(open_, strength, 0.0) * np.maximum(0.0, 1.0 - most / gone)
+        bears = np.where(gap > 0.0, bears * np.minimum(1.0, gap / np.where(open_, most, 1.0)), gap / h)
+        bears = np.where(first, np.where(open_, strength, 0.0), bears)
+        whole = (after - before) / h
+        push, draw = np.where(open_, 2.0 * (bears - before) / h, whole), np.where(open_, 2.0 * (after - bears) / h, whole)
+        push[[0, -1]] = draw[[0, -1]] = 0.0
+        slow, fast = slow + step * push, fast + step * draw
+        left, right = left + step * slow, right + step * fast
+    return np.diff(np.concatenate([[0.0], x[open_ & (most >= gone)], [x[-1]]]))
+
+
+def _write_flaws(path: Path, strip: Strip) -> tuple[float, float]:
+    """Writes a grey image of the factors; returns those of black and white."""
+    factors = flaws(strip, (np.arange(strip.elements) + 0.5) / strip.grid)
+    low, high = float(factors.min()), float(factors.max())
+    grey = np.round((factors - low) / (high - low) * 65535.0).astype(">u2")
+    path.write_bytes(f"P5 {strip.elements} {ACROSS} 65535\n".encode() + np.tile(grey, (ACROSS, 1)).tobytes())
+    return low, high
+
+
+def scene_of(strip: Strip, low: float, high: float) -> str:
+    """Returns the text of the scene. Each column of control points is driven at its own speed until just before the
+    strength is reached, then only both ends are."""
+    h, length, rate = strip.spacing, strip.length, strip.rate * RATE
+    broken = STRENGTH / (YOUNG * rate)  # [s], when the strength is reached
+    opening = 2.0 * FRACTURE_ENERGY / STRENGTH / (rate * published_size(strip.rate) * SIZE)  # [s], until a crack is open
+    window = max(0.01 * broken, 0.45 * h / SPEED)
+    end = window * math.ceil((1.05 * broken + 2.0 * opening + 2.0 * SIZE / SPEED) / window)
+    released = window * max(1, math.floor(RELEASED * broken / window))
+    places = [0.0, *((k + 0.5) * h for k in range(strip.elements)), length]  # Greville points of degree 2
+    supports = []
+    for k, u in enumerate(places):
+        until = f"until_s: {released:.12g} " if 0 < k < len(places) - 1 else ""
+        supports.append(
+            f"  supports {{ kind: SIMPLY_SUPPORTED axes: X {until}"
+            f"regions {{ low {{ u: {max(0.0, u - 0.1 * h):.12g} v: 0 }} high {{ u: {min(length, u + 0.1 * h):.12g} v: {strip.width:.12g} }} }} "
+            f"motion {{ time_s: 0 }} motion {{ time_s: {end:.12g} displacement {{ x: {rate * (u - 0.5 * length) * end:.12g} }} }} }}")
+    damage = f"mode: DAMAGE damage_width_m: {BAND * h:.12g} healing: false" if strip.mode == "damage" else "mode: TIPS"
+    return "\n".join([
+        'name: "strip"', f"end_time_s: {end:.12g}", f"window_s: {window:.12g}", "gravity {}",
+        f'materials {{ name: "brittle" density: {DENSITY} youngs_modulus: {YOUNG} poisson_ratio: 0 strength: {STRENGTH} '
+        f"fracture_energy: {FRACTURE_ENERGY} }}",
+        "shells {", f'  name: "strip" material: "brittle" thickness_m: {strip.width:.12g}',
+        f"  plate {{ size_x_m: {length:.12g} size_y_m: {strip.width:.12g} elements_x: {strip.elements} elements_y: {ACROSS} }}",
+        f'  strength_map {{ path: "flaws.pgm" low_factor: {low:.9g} high_factor: {high:.9g} }}', *supports, "}",
+        f"fracture {{ {damage} quiet_time_s: {end:.12g} }}", f"output {{ frame_interval_s: {0.5 * end:.12g} }}", ""])
+
+
+def sizes_of(folder: Path, width: float) -> np.ndarray:
+    """Returns lengths (n,) [m] of all pieces of a strip, those that have left and those that have not."""
+    with (folder / "shards.csv").open(newline="") as file:
+        areas = [float(row["area [m^2]"]) for row in csv.DictReader(file)]
+    mesh = list_frames(folder)[-1].read(SHELL)
+    if mesh is not None and len(mesh.triangles):
+        corner = reference_points(mesh)[mesh.triangles]
+        area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+        _, piece = np.unique(mesh.of_triangles("fragment", 0), return_inverse=True)
+        areas += np.bincount(piece, area).tolist()
+    lengths = np.array(areas) / width
+    return lengths[lengths > OFF * width]
+
+
+def _broken(executables: Executables, strip: Strip) -> tuple[np.ndarray, float, float]:
+    """Returns sizes over s0, the missing share of the energy, and seconds."""
+    with tempfile.TemporaryDirectory(prefix="validate-sunder-") as place:
+        scene = Path(place) / "strip.textproto"
+        scene.write_text(scene_of(strip, *_write_flaws(Path(place) / "flaws.pgm", strip)))
+        with kept_run(executables, str(scene), []) as (folder, seconds):
+            return sizes_of(folder, strip.width) / SIZE, read_run(folder)["energy"]["residual_relative"], seconds
+
+
+def strip(table: Table, executables: Executables) -> None:
+    """Runs strips at six rates, in both modes that start cracks, on two grids each."""
+    axes = {"x_label": "rate over c strength^3 / (E^2 G_f)", "y_label": "mean size over E G_f / strength^2", "logarithmic": True}
+    table.curves.append({"name": "Zhou, Molinari, Ramesh", "panel": "fragments of a strip", "x": list(RATES),
+                         "y": [published_size(rate) for rate in RATES], **axes})
+    alone = {rate: solved(Strip("damage", rate, FINER)) for rate in RATES}
+    table.curves.append({"name": "solved in one dimension", "panel": "fragments of a strip", "x": list(RATES),
+                         "y": [float(alone[rate].mean()) for rate in RATES], **axes})
+    table.lines.append("strip, solved in one dimension: sizes over the published one " + ", ".join(
+        f"{alone[rate].mean() / published_size(rate):.2f} at {rate:g}" for rate in RATES)
+        + f"; they scatter by {np.concatenate([s / s.mean() for s in alone.values()]).std():.2f} of their mean")
+    for mode in MODES:
+        means, residuals = [], []
+        every: list[np.ndarray] = []
+        for rate in RATES:
+            strips = [Strip(mode, rate, grid) for grid in GRIDS]
+            found = [_broken(executables, one) for one in strips]
+            mean = [one.length / SIZE / len(sizes) for one, (sizes, _, _) in zip(strips, found)]
+            sizes = found[-1][0]
+            means.append(mean[-1]), every.append(sizes / sizes.mean())
+            residuals += [residual for _, residual, _ in found]
+            name = f"strip_{mode}_{rate:g}"
+            table.add(f"{name}_size", mean[-1], published_size(rate), WITHIN, sum(seconds for _, _, seconds in found))
+            table.add(f"{name}_grids", mean[-1] / mean[0], 1.0, BETWEEN_GRIDS, 0.0)
+            if mode == "damage":
+                table.add(f"{name}_solved", mean[-1], float(alone[rate].mean()), FROM_SOLVED, 0.0)
+            table.lines.append(f"{name}: {' and '.join(str(len(sizes)) for sizes, _, _ in found)} fragments; scatter of the sizes "
+                               f"{sizes.std() / sizes.mean():.2f} of their mean, {from_rayleigh(sizes):.2f} from Rayleigh's "
+                               "distribution")
+        table.add(f"strip_{mode}_rayleigh", from_rayleigh(np.concatenate(every)), 0.0, FROM_RAYLEIGH, 0.0)
+        if mode == "damage":
+            apart = distance(np.concatenate(every), np.concatenate([s / s.mean() for s in alone.values()]))
+            table.add("strip_damage_distribution", apart, 0.0, APART, 0.0)
+        table.add(f"strip_{mode}_energy", float(np.abs(residuals).max()), 0.0, MOST_MISSING, 0.0)
+        table.curves.append({"name": mode, "panel": "fragments of a strip", "x": list(RATES), "y": means, **axes})
+        table.lines.append(f"strip, mode {mode}: Rayleigh's sizes scatter by {math.sqrt(4.0 / math.pi - 1.0):.2f} of their mean, "
+                           f"these by {np.concatenate(every).std():.2f}")
