@@ -4,8 +4,8 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-import tempfile
 import math
+import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -13,7 +13,7 @@ from unittest import mock
 import numpy as np
 
 from sunder_tools.pictures.crack_lines import Graph
-from tests.validation import bends, crack_books, crack_paths, experiments, fragments, impacts, mirrors, tearing, trials
+from tests.validation import bends, crack_books, crack_paths, cutting, experiments, fragments, impacts, mirrors, tearing, trials
 
 from .synthetic import write_vtp
 
@@ -223,13 +223,24 @@ class Flap(unittest.TestCase):
         self.assertTrue(math.isnan(tearing.flap_exponent(ends[:1], 0.015, 0.012)))
 
 
+class BluntTool(unittest.TestCase):
+    def test_wavelength_of_a_wave_behind_a_straight_start(self) -> None:
+        u = np.concatenate([np.linspace(0.0, 0.02, 20), np.linspace(0.02, 0.1, 200)[1:]])
+        v = np.where(u < 0.02, 0.0, 0.01 * np.sin(2.0 * np.pi * (u - 0.02) / 0.05)) + 1e-5 * np.sin(300.0 * u)
+        ends = np.stack([np.column_stack([u[:-1], v[:-1]]), np.column_stack([u[1:], v[1:]])], axis=1)
+        graph = Graph(ends, np.zeros((len(ends), 2, 3)), np.zeros(len(ends), int), np.arange(1.0, len(ends) + 1.0))
+        self.assertAlmostEqual(cutting.wavelength(graph, 0.01), 0.05, delta=0.002)
+        self.assertTrue(math.isnan(cutting.wavelength(graph, 0.05)))
+        self.assertTrue(math.isnan(cutting.wavelength(graph.some(np.arange(len(ends)) < 5), 0.01)))
+
+
 class Registry(unittest.TestCase):
     def test_every_experiment_that_comes_later_exists(self) -> None:
         for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "snapped", "tough", "heavy", "pieces")),
                               (crack_books, ("books", "many")),
                               (crack_paths, ("modes", "pressed_plate", "kalthoff", "branching", "share")),
                               (mirrors, ("mirror",)), (tearing, ("trousers", "flap")),
-                              (fragments, ("strip",)), (bends, ("bent_section",))):
+                              (fragments, ("strip",)), (bends, ("bent_section",)), (cutting, ("blunt_tool",))):
             for name in names:
                 self.assertTrue(callable(getattr(module, name)))
                 self.assertIn(name, [e.name for e in experiments.EXPERIMENTS["cracks"]])

@@ -192,6 +192,8 @@ EXPERIMENTS = {"shells": (
     Experiment("trousers", "force that tears a sheet out of its plane, three spacings (trousers test)",
                _later("tearing", "trousers")),
     Experiment("flap", "the course of two cracks beside a pulled flap (Brau 2014)", _later("tearing", "flap")),
+    Experiment("blunt_tool", "wavelength of the crack before a blunt tool, three widths, two speeds (Roman and others 2003)",
+               _later("cutting", "blunt_tool")),
     Experiment("strip", "mean size of fragments of a strip over the rate at which it is stretched, six rates, both modes, "
                "two spacings (Zhou, Molinari, Ramesh 2006)", _later("fragments", "strip")),
     Experiment("bent_section", "what a bent section takes until damage cuts it, 2 to 9 layers, two spacings",
