@@ -173,15 +173,26 @@ void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, 
   const double alpha = m.material.mass_damping, beta = m.material.stiffness_damping;
   if (alpha > 0.0 || beta > 0.0) {
     const bool viscous = beta > 0.0 && s.motion.last_force.size() == s.motion.force.size();
+    const auto change_of = [&](std::size_t k, std::size_t i) {  // of v
+      const double gain =
+          viscous ? beta * (s.motion.force[k] - s.motion.last_force[k]) * s.motion.inverse_mass[i] : 0.0;
+      return gain - dt * alpha * s.motion.v[k];
+    };
+    const auto lost = [&](std::size_t k, std::size_t i, double change) {
+      return -s.motion.mass[i] * change *
+             (s.motion.v[k] + 0.5 * (dt * s.motion.inverse_mass[i] * s.motion.force[k] + change));
+    };
+    for (const auto& driven : m.constraints.driven)  // a support replaces what damping takes from a point that it moves
+      for (int d = 0; d < 3; ++d)
+        for (const int slot : driven.slots[d])
+          if (s.motion.inverse_mass[slot] > 0.0)
+            s.book.external += lost(d * stride + slot, slot, change_of(d * stride + slot, slot));
     for (int d = 0; d < 3; ++d)
       for (std::size_t i = 0; i < stride; ++i) {
         if (s.motion.inverse_mass[i] == 0.0) continue;
         const std::size_t k = d * stride + i;
-        const double gain =
-            viscous ? beta * (s.motion.force[k] - s.motion.last_force[k]) * s.motion.inverse_mass[i] : 0.0;
-        const double change = gain - dt * alpha * s.motion.v[k];  // change of v
-        s.book.damping -= s.motion.mass[i] * change *
-                          (s.motion.v[k] + 0.5 * (dt * s.motion.inverse_mass[i] * s.motion.force[k] + change));
+        const double change = change_of(k, i);
+        s.book.damping += lost(k, i, change);
         s.motion.v[k] += change;
       }
     if (beta > 0.0) s.motion.last_force = s.motion.force;

@@ -15,6 +15,7 @@
 #include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/rig.h"
 #include "tests/shell/stitched.h"
 
 using namespace sunder;
@@ -315,4 +316,23 @@ TEST(Damping, LetsAModeDecayAtItsRate) {
   // energy goes as exp(-(alpha + beta omega^2) t); omega of the grid is within 1 % of the plate's
   const double rate = 400.0 + 2e-6 * omega * omega;
   EXPECT_NEAR(std::log(first / energy), rate * end, 0.03 * rate * end);
+}
+
+// A support that moves a point along one axis replaces what damping takes from it there.
+TEST(Damping, OfAMovingSupportIsItsWork) {
+  ShellMaterial material = glass();
+  material.mass_damping = 2e4, material.stiffness_damping = 1e-7;
+  Support held{kUMin, false}, driven{kUMax, false};
+  driven.axes = {false, false, true};
+  driven.motion = {{0.0, Vec3::Zero()}, {1.0, Vec3(0.0, 0.0, 0.5)}};
+  Rig rig(setup_of({{make_shell("p", plate(0.2, 0.1, 10, 5, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2,
+                                {held, driven})}}),
+          1);
+  const ShellModel& m = rig.model();
+  ShellState& s = rig.state();
+  const double dt = 0.5 * stable_step(m, s, 100, 1, false);
+  for (int k = 0; k < 3000; ++k) rig.step(dt);
+  const double left = compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt);
+  EXPECT_GT(s.book.damping, 0.1 * s.book.external);
+  EXPECT_NEAR(s.book.external - s.book.damping, left, 1e-3 * s.book.external);
 }
