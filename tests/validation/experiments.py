@@ -224,6 +224,9 @@ EXPERIMENTS = {"shells": (
     Experiment("piece", "a piece over a seam leaves as one body", _later("seam_runs", "piece")),
     Experiment("trim_crack", "a crack over a tie along a trim runs as in the single patch", _later("trim_runs", "trim_crack")),
     Experiment("trim_piece", "a piece over such a tie leaves as one body", _later("trim_runs", "trim_piece")),
+), "surfaces": (
+    Experiment("public", "CAD files and meshes that others published, fetched from Debian's archive, which it needs",
+               _later("public_files", "public_files")),
 )}
 
 

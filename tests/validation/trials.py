@@ -32,15 +32,16 @@ class Table:
     headed: bool = False  # the head of the table has been printed
     pictures: Path | None = None  # an existing folder for them
 
-    def add(self, name: str, computed: float, reference: float, tolerance: float, seconds: float) -> None:
-        """Adds a row and prints it at once. The error is relative, or absolute where the reference is zero."""
+    def add(self, name: str, computed: float, reference: float, tolerance: float, seconds: float, note: str = "") -> None:
+        """Adds a row and prints it at once. The error is relative, or absolute where the reference is zero. `note` is said
+        beside it in a report."""
         computed, reference, tolerance = float(computed), float(reference), float(tolerance)  # JSON knows no numpy
         error = abs(computed / reference - 1.0) if reference != 0.0 else abs(computed)
         good = error <= tolerance  # NaN fails
         self.rows.append({"name": name, "computed": computed, "reference": reference, "error": error,
-                          "tolerance": tolerance, "pass": good, "seconds": round(seconds, 3)})
+                          "tolerance": tolerance, "pass": good, "seconds": round(seconds, 3)} | ({"note": note} if note else {}))
         print(f"{name:<34} {computed:>13.6g} {reference:>13.6g} {error:>10.2e} {tolerance:>9.1e} {seconds:>8.1f}  "
-              f"{'ok' if good else 'FAILED'}", flush=True)
+              f"{'ok' if good else 'FAILED'}" + (f"\n  {note}" if note else ""), flush=True)
 
 
 def run_scene(executables: Executables, scene: str, settings: list[str]) -> tuple[dict, list[list[str]], float]:
