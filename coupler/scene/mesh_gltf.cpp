@@ -5,13 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "coupler/scene/gltf_uri.h"
 #include "coupler/scene/mesh_reader.h"
 
 namespace sunder::scene {
@@ -29,20 +28,6 @@ constexpr std::size_t kMostKept = kMostSurfaceTriangles, kMostSeen = 10 * kMostK
 constexpr std::array<const char*, 6> kHarmless = {"KHR_materials_",        "KHR_texture_", "KHR_lights_",
                                                   "KHR_mesh_quantization", "EXT_texture_", "KHR_animation_"};
 
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream out;
-  out << in.rdbuf();
-  return std::move(out).str();
-}
-
-int base64_digit(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  return c == '+' ? 62 : c == '/' ? 63 : -1;
-}
-
 class Gltf {
  public:
   explicit Gltf(MeshFile& mesh) : mesh_(mesh) {}
@@ -51,7 +36,7 @@ class Gltf {
     mesh_.place = "triangle";
     const std::uintmax_t size = std::filesystem::file_size(mesh_.file);
     if (size > kMostBytes) mesh_.fail(fmt::format("has {} bytes, at most {} are read; {}", size, kMostBytes, kReduce));
-    std::string text = bytes_of(mesh_.file);
+    std::string text = gltf_bytes(mesh_.file);
     if (word(text, 0) == kGlb && text.size() >= 12) text = chunks_of(text);
     root_ = Json::parse(text, nullptr, false);
     if (root_.is_discarded() || !root_.is_object())
@@ -249,6 +234,9 @@ class Gltf {
     if (const std::size_t colour = number(*attributes, "COLOR_0", of, kMissing); colour != kMissing)
       add_colours(array(colour, of, 0), first, of);
     if (!mesh_.with_faces) return;
+    const std::size_t texture = mesh_.with_texture ? number(*attributes, "TEXCOORD_0", of, kMissing) : kMissing;
+    if (texture != kMissing) add_texture(array(texture, of, 2), at.count, of);
+    const int texture_first = texture == kMissing ? 0 : static_cast<int>(mesh_.texture.size() - at.count) - first;
     std::vector<std::size_t> corner(at.count);
     for (std::size_t k = 0; k < at.count; ++k) corner[k] = k;
     if (const std::size_t index = number(primitive, "indices", of, kMissing); index != kMissing) {
@@ -274,6 +262,8 @@ class Gltf {
       Polygon polygon{{}, static_cast<int>(mesh_.polygons.size()) + 1, number_of(tag)};
       for (const std::size_t i : {p[0], mirrored ? p[2] : p[1], mirrored ? p[1] : p[2]})
         polygon.corners.push_back(first + static_cast<int>(i));
+      if (texture != kMissing)
+        for (const int c : polygon.corners) polygon.texture.push_back(c + texture_first);
       mesh_.polygons.push_back(std::move(polygon));
       bound(mesh_.polygons.size(), kMostKept);
     }
@@ -305,6 +295,16 @@ class Gltf {
       const double* rgb = &colours.values[colours.components * k];
       mesh_.colours[first + k] = Vec3(rgb[0], rgb[1], rgb[2]);
     }
+  }
+
+  // One for each point; the file's v goes down, and that of a MeshFile goes up as in an OBJ file.
+  void add_texture(const Array& texture, std::size_t points, const std::string& of) {
+    if (texture.count != points ||
+        std::any_of(texture.values.begin(), texture.values.end(), [](double x) { return !std::isfinite(x); }))
+      mesh_.fail(fmt::format(
+          "has TEXCOORD_0 in {} that are no texture coordinates of its points; export it again, or without them", of));
+    for (std::size_t k = 0; k < texture.count; ++k)
+      mesh_.texture.emplace_back(texture.values[2 * k], 1.0 - texture.values[2 * k + 1]);
   }
 
   // `components`: how many the accessor must have; 0: any.
@@ -423,48 +423,19 @@ class Gltf {
     } else if (!uri->is_string()) {
       mesh_.fail(fmt::format("has {}.uri that is no text; export it again", own));
     } else if (const std::string text = uri->get<std::string>(); text.rfind("data:", 0) == 0) {
-      bytes = from_base64(text, own);
+      bytes = gltf_data(mesh_, text, own);
     } else {
-      const std::filesystem::path beside = std::filesystem::path(mesh_.path).parent_path() / decoded(text);
+      const std::filesystem::path beside = std::filesystem::path(mesh_.path).parent_path() / gltf_path(text);
       const std::string file = mesh_.scene.file_beside(mesh_.field, beside);
       if (const std::uintmax_t size = std::filesystem::file_size(file); size > kMostBytes - std::min(held_, kMostBytes))
         mesh_.fail(fmt::format("has {} in '{}' of {} bytes, and its buffers may have {} in all; {}", own, text, size,
                                kMostBytes, kReduce));
-      bytes = bytes_of(file);
+      bytes = gltf_bytes(file);
     }
     if (const std::size_t length = needed(b, "byteLength", own); bytes.size() < length)
       mesh_.fail(fmt::format("has {} of {} bytes, and {} are there; is the copy whole?", own, length, bytes.size()));
     held_ += bytes.size();
     return buffers_.emplace(index, std::move(bytes)).first->second;
-  }
-
-  // %20 and such.
-  static std::string decoded(const std::string& uri) {
-    std::string out;
-    for (std::size_t k = 0; k < uri.size(); ++k) {
-      if (uri[k] == '%' && k + 2 < uri.size() && std::isxdigit(static_cast<unsigned char>(uri[k + 1])) &&
-          std::isxdigit(static_cast<unsigned char>(uri[k + 2])))
-        out += static_cast<char>(std::stoi(uri.substr(k + 1, 2), nullptr, 16)), k += 2;
-      else
-        out += uri[k];
-    }
-    return out;
-  }
-
-  std::string from_base64(const std::string& uri, const std::string& own) const {
-    const std::size_t comma = uri.find(',');
-    if (comma == std::string::npos || uri.substr(0, comma).find(";base64") == std::string::npos)
-      mesh_.fail(fmt::format("has {}.uri that is no base64; export it as .glb", own));
-    std::string out;
-    std::uint32_t bits = 0;
-    int have = 0;
-    for (std::size_t k = comma + 1; k < uri.size() && uri[k] != '='; ++k) {
-      const int digit = base64_digit(uri[k]);
-      if (digit < 0) mesh_.fail(fmt::format("has {}.uri with a character that base64 has not; export it again", own));
-      bits = bits << 6 | static_cast<std::uint32_t>(digit), have += 6;
-      if (have >= 8) have -= 8, out += static_cast<char>(bits >> have & 255u);
-    }
-    return out;
   }
 
   MeshFile& mesh_;

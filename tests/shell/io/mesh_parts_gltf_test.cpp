@@ -101,6 +101,58 @@ TEST_F(MeshGltf, NodesPlaceAndMirrorTheirMeshes) {
             0);
 }
 
+// Texture coordinates of the four points, whose v goes down: (0.1, 0.2), (0.9, 0.2), (0.9, 0.7), (0.1, 0.7) as floats,
+// and halves and wholes as shares of 65535. Beside it stands a sheet without any, which is read first.
+std::string with_texture(const std::string& accessor) {
+  std::string text = json("", "\"mesh\": 1");
+  text = replaced(text, "\"indices\": 1, \"material\": 0 } ] } ]",
+                  "\"indices\": 1 } ] }, { \"primitives\": [ { \"attributes\": { \"POSITION\": 0, \"TEXCOORD_0\": 3 }, "
+                  "\"indices\": 1 } ] } ]");
+  text = replaced(text, "\"normalized\": true }", "\"normalized\": true }, { \"bufferView\": 3, " + accessor + " }");
+  text = replaced(text, "\"byteLength\": 16 }",
+                  "\"byteLength\": 16 }, { \"buffer\": 0, \"byteOffset\": 76, \"byteLength\": 48 }");
+  text = replaced(text, "\"scenes\": [ { \"nodes\": [ 0 ]", "\"scenes\": [ { \"nodes\": [ 1, 0 ]");
+  text = replaced(text, "\"translation\": [ 0, 0, 1 ]", "\"translation\": [ 0, 0, 5 ]");
+  return replaced(text, "\"byteLength\": 76", "\"byteLength\": 124");
+}
+const std::string kTextured = kBinary + bytes<float>({0.1f, 0.2f, 0.9f, 0.2f, 0.9f, 0.7f, 0.1f, 0.7f}) +
+                              bytes<std::uint16_t>({0, 0, 65535, 0, 65535, 32768, 0, 32768});
+const std::string kFloats = "\"componentType\": 5126, \"count\": 4, \"type\": \"VEC2\"";
+
+TEST_F(MeshGltf, TextureCoordinatesAreThoseOfFramesWithTheirVUp) {
+  const std::string shares =
+      "\"byteOffset\": 32, \"componentType\": 5123, \"normalized\": true, \"count\": 4, \"type\": \"VEC2\"";
+  const std::array<std::pair<std::string, std::array<Vec2, 2>>, 2> kinds{
+      {{kFloats, {Vec2(0.1, 0.2), Vec2(0.9, 0.7)}}, {shares, {Vec2(0, 0), Vec2(1.0, 32768.0 / 65535.0)}}}};
+  for (const auto& [accessor, corners] : kinds) {
+    write("a.glb", glb(with_texture(accessor), kTextured));
+    const RunSetup r = setup("path: 'a.glb' element_m: 0.2");
+    ASSERT_EQ(r.shells.size(), 2u);
+    const ShellModel &plain = r.shells[0].model, &m = r.shells[1].model;
+    const Vec2 whole(m.patch.knots_u.end(), m.patch.knots_v.end());
+    for (const Vec2& share : {Vec2(0, 0), Vec2(1, 1), Vec2(0.37, 0.61), Vec2(0.93, 0.02)}) {
+      const Vec2 p = share.cwiseProduct(whole);
+      const Vec3 x = m.patch.evaluate(p).x;
+      const Vec2 in_file = corners[0] + Vec2(0.5 * x.x(), x.y()).cwiseProduct(corners[1] - corners[0]);
+      EXPECT_LT((drawn_parameter(m, p) - Vec2(in_file.x(), 1.0 - in_file.y())).norm(), 1e-7) << accessor;
+      EXPECT_LT((drawn_parameter(plain, p) - share).norm(), 1e-9) << accessor;
+    }
+  }
+}
+
+TEST_F(MeshGltf, TextureCoordinatesThatDoNotFitAreRefused) {
+  const std::string few = replaced(kFloats, "\"count\": 4", "\"count\": 3");
+  write("a.glb", glb(with_texture(few), kTextured));
+  expect_part(refusal("path: 'a.glb' element_m: 0.2"),
+              "TEXCOORD_0 in meshes[1].primitives[0] that are no texture coordinates of its points");
+  write("b.glb", glb(with_texture(replaced(kFloats, "VEC2", "SCALAR")), kTextured));
+  expect_part(refusal("path: 'b.glb' element_m: 0.2"), "accessors[3] of a type that does not fit");
+  std::string broken = kTextured;
+  broken.replace(kBinary.size(), 4, bytes<float>({std::numeric_limits<float>::quiet_NaN()}));
+  write("c.glb", glb(with_texture(kFloats), broken));
+  expect_part(refusal("path: 'c.glb' element_m: 0.2"), "TEXCOORD_0");
+}
+
 TEST_F(MeshGltf, NodesAndMaterialsAreParts) {
   write("a.glb", glb(json("", "\"mesh\": 0, \"children\": [ 1 ]"), kBinary));
   const auto mass = [&](const std::string& part) {
