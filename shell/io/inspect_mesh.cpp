@@ -124,6 +124,7 @@ std::string inspect_mesh_report(const std::string& file, MeshQuestion asked, con
                   {"points", mesh.points.size()},
                   {"triangles", mesh.triangles.size()},
                   {"points_merged", mesh.welded},
+                  {"points_parted", mesh.parted},
                   {"triangles_turned", mesh.turned},
                   {"triangles_dropped", mesh.dropped},
                   {"components", mesh.components},

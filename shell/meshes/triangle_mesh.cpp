@@ -108,26 +108,31 @@ MeshEdgeMap edge_map(const TriangleMesh& m) {
   return edges;
 }
 
-// Throws Error where the triangles around a point are several fans.
-void check_fans(const TriangleMesh& m) {
-  std::vector<int> around(m.points.size(), 0), seed(m.points.size(), -1);
+// Gives each further fan of triangles around a point a point of its own: a point bears no load from one to the other.
+void part_fans(TriangleMesh& m) {
+  std::vector<std::vector<int>> around(m.points.size());
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
-    for (const int c : m.triangles[t]) ++around[c], seed[c] = static_cast<int>(t);
+    for (const int c : m.triangles[t]) around[c].push_back(static_cast<int>(t));
   std::vector<int> mark(m.triangles.size(), -1);
-  for (std::size_t c = 0; c < m.points.size(); ++c) {
-    std::vector<int> fan{seed[c]};
-    mark[seed[c]] = static_cast<int>(c);
-    for (std::size_t k = 0; k < fan.size(); ++k)
-      for (int e = 0; e < 3; ++e) {
-        const auto& t = m.triangles[fan[k]];
-        const int other = m.beside[fan[k]][e];
-        if (other < 0 || mark[other] == static_cast<int>(c)) continue;
-        if (t[e] != static_cast<int>(c) && t[(e + 1) % 3] != static_cast<int>(c)) continue;
-        mark[other] = static_cast<int>(c), fan.push_back(other);
-      }
-    check(static_cast<int>(fan.size()) == around[c],
-          "touches itself in the point {}, where {} faces meet that are not one fan; part them there", at(m.points[c]),
-          around[c]);
+  for (int c = 0; c < static_cast<int>(around.size()); ++c) {
+    int fans = 0;
+    for (const int seed : around[c]) {
+      if (mark[seed] == c) continue;
+      std::vector<int> fan{seed};
+      mark[seed] = c;
+      for (std::size_t k = 0; k < fan.size(); ++k)
+        for (int e = 0; e < 3; ++e) {
+          const auto& t = m.triangles[fan[k]];
+          const int other = m.beside[fan[k]][e];
+          if (other < 0 || mark[other] == c || (t[e] != c && t[(e + 1) % 3] != c)) continue;
+          mark[other] = c, fan.push_back(other);
+        }
+      if (fans++ == 0) continue;
+      m.points.push_back(Vec3(m.points[c])), m.of_file.push_back(m.of_file[c]);
+      for (const int t : fan)
+        std::replace(m.triangles[t].begin(), m.triangles[t].end(), c, static_cast<int>(m.points.size()) - 1);
+    }
+    m.parted += fans > 1;
   }
 }
 
@@ -195,7 +200,7 @@ TriangleMesh make_triangle_mesh(const std::vector<Vec3>& points, const std::vect
       m.beside[sides[0].triangle][sides[0].edge] = sides[1].triangle;
       m.beside[sides[1].triangle][sides[1].edge] = sides[0].triangle;
     }
-  check_fans(m);
+  part_fans(m);
   return m;
 }
 

@@ -29,6 +29,7 @@ struct TriangleMesh {
   int components = 0;
   int turned = 0;   // triangles that the file had the other way round
   int welded = 0;   // points that were merged with others
+  int parted = 0;   // points in which the surface touched itself: each sheet there has its own now
   int dropped = 0;  // triangles of the file that have two corners in one place, as at the poles of a sphere
 
   Vec3 area_vector(int t) const {
@@ -45,8 +46,8 @@ struct TriangleMesh {
 
 /// Makes a mesh of a file's triangles. Points no further apart than `weld` [m] become one; 0: only equal ones. `word`
 /// says what FileTriangle::line counts. Triangles with two corners in one place are left out. Throws Error with place,
-/// line and remedy where others have no area, two have the same corners, an edge has three triangles, the surface
-/// touches itself in a point, or has one side only.
+/// line and remedy where others have no area, two have the same corners, an edge has three triangles, or the surface
+/// has one side only. Where it touches itself in a point, each fan of triangles gets a point of its own.
 TriangleMesh make_triangle_mesh(const std::vector<Vec3>& points, const std::vector<FileTriangle>& triangles,
                                 double weld, const std::string& word);
 

@@ -136,6 +136,8 @@ def mesh_report(told: dict[str, Any]) -> str:
              f"{_count(told['components'], 'component')}, {_count(edges['borders'], 'border')} of "
              f"{_count(edges['on_borders'], 'edge')}, {told['points_merged']} points merged, "
              f"{told['triangles_turned']} triangles turned over, {told['triangles_dropped']} with two corners in one place"]
+    if told["points_parted"]:
+        lines.append(f"the surface touches itself in {_count(told['points_parted'], 'point')}, where its sheets are parted")
     if told["warning"] is not None:
         lines.append(f"warning: {told['warning']}")
     for kind in ("groups", "usemtl"):

@@ -104,9 +104,20 @@ TEST(TriangleMesh, AFaceThatIsThereTwiceIsRefused) {
   expect_part(refusal(t), "has the corners of the one of line 5; leave one of them out");
 }
 
-TEST(TriangleMesh, ASurfaceThatTouchesItselfInAPointIsRefused) {
-  Triangles t{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{{0, 1, 2}, 1}, {{0, 3, 4}, 2}}};
-  expect_part(refusal(t), "touches itself in the point (0, 0, 0), where 2 faces meet");
+// Two triangles that meet in a corner only, a third beside the second: each sheet has a point of its own there.
+TEST(TriangleMesh, ASurfaceThatTouchesItselfInAPointIsPartedThere) {
+  const Triangles t{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0.5, -1, 0}},
+                    {{{0, 1, 2}, 1}, {{0, 3, 4}, 2}, {{0, 4, 5}, 3}}};
+  const TriangleMesh m = t.mesh();
+  EXPECT_EQ(m.parted, 1);
+  EXPECT_EQ(m.components, 2);
+  ASSERT_EQ(m.points.size(), 7u);
+  EXPECT_EQ(m.points[6], m.points[m.triangles[0][0]]);
+  EXPECT_EQ(m.of_file[6], 0);
+  EXPECT_NE(m.triangles[0][0], m.triangles[1][0]);
+  EXPECT_EQ(m.triangles[1][0], m.triangles[2][0]);
+  EXPECT_EQ(edges_of(m).loops, 2);  // a border that goes through a point twice would be lost
+  EXPECT_EQ(edges_of(m).border, 7);
 }
 
 TEST(TriangleMesh, AStripWithOneSideIsRefused) {
