@@ -46,6 +46,8 @@ MODELS = (
     ("yield", "yield_stress", 'materials { name: "cloth" yield_stress: 2e5 }'),
     ("plies", "interlayer", 'materials { name: "film" density: 1000 youngs_modulus: 1e6 poisson_ratio: 0.4 } '
                             'shells { name: "sheet" interlayer { material: "film" thickness_m: 0.001 } }'),
+    ("taper", "thickness_law", 'shells { name: "sheet" thickness_law { along: X points { at_m: -0.1 factor: 1 } '
+                               'points { at_m: 0.1 factor: 0.5 } } }'),
     ("tempered", "surface_compression", 'shells { name: "sheet" layers: 4 surface_compression: 1e5 }'),
     ("linear", "bending LINEAR", 'shells { name: "sheet" bending: LINEAR }'),
     ("law", "stress_model", 'shells { name: "sheet" stress_model: PAPER_PROJECTION }'),
