@@ -6,6 +6,7 @@
 #include "coupler/scene/load.h"
 #include "coupler/scene/mesh.h"
 #include "shell/io/pgm_file.h"
+#include "shell/meshes/triangle_mesh.h"
 #include "tests/fuzz/targets.h"
 
 namespace sunder::fuzz {
@@ -46,7 +47,8 @@ void run_mesh(const std::uint8_t* data, std::size_t size) {
   constexpr double kMost = std::numeric_limits<double>::max();
   constexpr double kScales[] = {1.0, 1e-3, 1e3, kMost, std::numeric_limits<double>::denorm_min(), 0.0, -1.0};
   constexpr const char* kNames[] = {"mesh.obj", "mesh.off", "mesh.ply", "mesh.stl"};
-  const std::string name = kNames[(data[0] & 1) + 2 * (data[0] >> 7)];
+  constexpr const char* kGltf[] = {"mesh.glb", "mesh.gltf"};
+  const std::string name = data[0] / 32 % 2 ? kGltf[data[0] & 1] : kNames[(data[0] & 1) + 2 * (data[0] >> 7)];
   scene::LoadedScene scene;
   scene.path = file_with(name, data + 1, size - 1);
   proto::Mesh mesh;
@@ -63,6 +65,40 @@ void run_mesh(const std::uint8_t* data, std::size_t size) {
       for (const int k : t) demand(k >= 0 && k < static_cast<int>(corners.size()), "a triangle of no corner");
     demand(!solid.parts.empty(), "a solid without parts");
     for (const auto& part : solid.parts) demand(part.size() >= 4, "a part without a volume");
+  });
+}
+
+/// First byte: the format and the distance of points that become one.
+void run_surface(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return;
+  constexpr const char* kNames[] = {"surface.obj", "surface.off", "surface.ply",
+                                    "surface.stl", "surface.glb", "surface.gltf"};
+  constexpr double kWelds[] = {0.0, 1e-3, 1.0};
+  const std::string name = kNames[data[0] % std::size(kNames)];
+  const double weld = kWelds[data[0] / std::size(kNames) % std::size(kWelds)];
+  scene::LoadedScene scene;
+  scene.path = file_with(name, data + 1, size - 1);
+  refuses_by_name([&] {
+    const scene::FileSurface file = scene::read_surface(scene, "shells[0].mesh", name, 1.0);
+    std::vector<shell::FileTriangle> triangles;
+    const auto points = static_cast<int>(file.points.size());
+    for (const Vec3& x : file.points) demand(x.allFinite(), "a point that is not finite");
+    for (std::size_t t = 0; t < file.triangles.size(); ++t) {
+      for (const int k : file.triangles[t]) demand(k >= 0 && k < points, "a triangle of no point");
+      demand(file.tag_of[t] < static_cast<int>(file.tags.size()), "a triangle of no group");
+      triangles.push_back({file.triangles[t], file.lines[t], file.tag_of[t]});
+    }
+    demand(file.texture.empty() || file.texture.size() == 3 * triangles.size(), "corners without texture coordinates");
+    const shell::TriangleMesh m = shell::make_triangle_mesh(file.points, triangles, weld, file.word);
+    for (int t = 0; t < static_cast<int>(m.triangles.size()); ++t) {
+      demand(m.area(t) > 0.0, "a triangle without an area");
+      for (int e = 0; e < 3; ++e) {
+        const int other = m.beside[t][e];
+        if (other < 0) continue;
+        const auto& near = m.beside[other];
+        demand(std::count(near.begin(), near.end(), t) > 0, "a neighbour that has another neighbour");
+      }
+    }
   });
 }
 

@@ -21,7 +21,11 @@ const std::vector<Target>& targets() {
       {"replies", run_replies, mutate_reply},
       {"scene", run_scene, nullptr},
       {"pgm", run_pgm, nullptr},
-      {"mesh", run_mesh, nullptr},
+      {"mesh", run_mesh, mutate_file},
+      {"surface", run_surface, mutate_file},
+#ifdef SUNDER_CAD
+      {"cad", run_cad, mutate_file},
+#endif
   };
   return all;
 }

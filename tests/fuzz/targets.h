@@ -11,8 +11,7 @@ namespace sunder::fuzz {
 struct Target {
   const char* name;
   void (*run)(const std::uint8_t* data, std::size_t size);
-  /// What is a message and should mostly stay one: bytes in, mutated bytes out, at most `most` of them. None: bytes
-  /// only.
+  /// Bytes in, mutated bytes out, at most `most` of them: a message should mostly stay one. None: bytes only.
   std::string (*mutate)(const std::string& bytes, std::size_t most, unsigned seed);
 };
 
@@ -32,7 +31,12 @@ void run_replies(const std::uint8_t* data, std::size_t size);
 void run_scene(const std::uint8_t* data, std::size_t size);
 void run_pgm(const std::uint8_t* data, std::size_t size);
 void run_mesh(const std::uint8_t* data, std::size_t size);
+void run_surface(const std::uint8_t* data, std::size_t size);
+void run_cad(const std::uint8_t* data, std::size_t size);
 std::string mutate_session(const std::string& bytes, std::size_t most, unsigned seed);
 std::string mutate_reply(const std::string& bytes, std::size_t most, unsigned seed);
+/// Of a file: bits, numbers in digits and in bytes, stretches that are missing, twice there or exchanged. The first
+/// byte, which says how the file is read, stays.
+std::string mutate_file(const std::string& bytes, std::size_t most, unsigned seed);
 
 }  // namespace sunder::fuzz
