@@ -117,6 +117,25 @@ TEST(Audit, WhatCracksTakeBeyondTheirAreaIsDust) {
   EXPECT_EQ(crack_surface(m, s).subgrid, 0.0);
 }
 
+// Dust is no larger than the sheet is thick, where that is most: 4 mm times 1.5.
+TEST(Audit, DustOfAShellWhoseThicknessVariesIsAtMostAsThickAsIt) {
+  ShellMaterial tough = glass();
+  tough.fracture_energy = 10.0, tough.strength = 5e6;
+  ASSERT_GT(6.0 * tough.youngs_modulus * 10.0 / (5e6 * 5e6), 0.006);
+  const ShellModel m = make_shell("p", plate(0.2, 0.2, 20, 20, Vec3::Zero(), Quat::Identity()), 0.004, tough, 2, 2, {},
+                                  {}, {}, [](const Patch&, const Vec2& p) { return p.x() < 0.1 ? 0.5 : 1.5; });
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  extend_cracks(m, s, {{s.cracks.graph.add_vertex({0.05, 0.055}), {0.058, 0.055}, s.cracks.graph.new_crack(), 1, 1.0}},
+                0.0, false);
+  const double area = 0.002 * 0.008;  // where it is thin
+  EXPECT_NEAR(crack_resistance(m, s), 10.0 * area, 1e-15);
+  s.cracks.taken = 3.0 * 10.0 * area;
+  const CrackSurface surface = crack_surface(m, s);
+  EXPECT_NEAR(surface.subgrid, 2.0 * area, 1e-15);
+  EXPECT_NEAR(surface.dust_size, 0.006, 1e-12);
+  EXPECT_NEAR(surface.dust_mass, tough.density * surface.subgrid * 0.006 / 3.0, 1e-15);
+}
+
 TEST(Audit, CracksShouldTakeTheirFractureEnergyWhereTheyRanAndCutsNothing) {
   ShellMaterial g = glass();
   g.fracture_energy = 10.0;

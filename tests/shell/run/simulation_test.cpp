@@ -111,3 +111,21 @@ TEST(Simulation, FindsTheLawOfTwoGroupsInEitherOrder) {
     EXPECT_EQ(simulation.contact_law(setup.shells[0].model, b).restitution, 0.75);
   }
 }
+
+// By its radius and the least thickness: 2 mm and 1 mm, where the shell is 4 mm thick elsewhere.
+TEST(Simulation, LetsABodyMoveInASubstepByWhatTheThinnestPlaceAllows) {
+  RunSetup shot = pane();
+  shot.shells[0].model = make_shell("p", plate(0.2, 0.2, 8, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2,
+                                    {}, {}, {}, [](const Patch&, const Vec2& p) { return p.x() < 0.1 ? 1.0 : 0.25; });
+  ShellState s = make_state(shot.shells[0].model, Vec3::Zero(), 0);
+  const double step =
+      stable_step(shot.shells[0].model, s, kStepIterations, 1, shot.shells[0].fracture.mode != FractureMode::kNone);
+  RigidBody b;
+  b.id = 1, b.name = "bullet", b.mass = 0.01, b.principal_inertia = Vec3::Constant(1e-7), b.shape = SphereShape{0.002};
+  b.motion.position = Vec3(0, 0, 0.1);
+  for (const double share : {0.99, 1.01}) {
+    b.motion.velocity = Vec3(0, 0, -share * 0.003 / (shot.safety * step));
+    shot.bodies = {b};
+    EXPECT_EQ(says(refusal(shot), "body 'bullet' moves"), share > 1.0) << share;
+  }
+}
