@@ -30,7 +30,7 @@ from .trials import MOST_MISSING, Table
 ARCHIVE = {"libcgal-demo": "usr/share/doc/libcgal-dev/data.tar.gz"}  # packages whose files are in an archive of their own
 STEPS_OF_A_WINDOW = 20
 RESTS, NEAR = 3, 3  # windows in which the part rests; more until the ball touches, which is felt somewhat before
-CROSSINGS = 4.0  # time of the run, in times that a wave takes over the diagonal
+CROSSINGS = 3.0  # time of the run, in times that a wave takes over the diagonal
 SPEED = 15.0  # [m/s] of the ball
 DENSITY, YOUNG = 2400.0, 70e9  # [kg/m^3], [Pa] of the porcelain of scenes/rabbit.textproto
 SCENE = """name: "{name}" end_time_s: {end!r} window_s: {window!r} gravity {{}}
@@ -81,7 +81,7 @@ FILES = (
     PublicFile("patch", "libcgal-demo", CGAL + "patch-01.off", 5, unit=2e-3, tolerance=0.02),
     PublicFile("terrain", "gmsh-doc", GMSH + "terrain_stl_data.stl.gz", 1, unit=1e-4, tolerance=0.02),
     PublicFile("surface", "gmsh-doc", GMSH + "surface1.stl.gz", 1, unit=0.05, tolerance=0.02),
-    PublicFile("holed", "assimp-testmodels", STL + "sphereWithHole.stl", 1, unit=0.1, tolerance=0.02),
+    PublicFile("holed", "assimp-testmodels", STL + "sphereWithHole.stl", 3, unit=0.1, tolerance=0.03),
 )
 
 
@@ -208,7 +208,8 @@ def taken_in_words(told: dict[str, Any], file: PublicFile) -> str:
 def written(folder: Path, path: Path, file: PublicFile, told: dict[str, Any], faces: list[dict[str, Any]]) -> tuple[Path, int]:
     """Writes a scene of the part without gravity and a ball as heavy as the part, which falls on its highest place.
     Returns it with the number of windows in which nothing touches the part."""
-    points = np.concatenate([read_vtp(one).points for one in sorted((folder / "frame").rglob("shell_*.vtp"))])
+    frames = sorted((folder / "frame").rglob("shell_*.vtp"))  # none where the borders of faces have gaps
+    points = np.concatenate([read_vtp(one).points for one in frames] or [edge["points_m"] for edge in told["edges"]["list"]])
     top = points[np.argmax(points[:, 2])]
     diagonal, thickness = float(np.linalg.norm(told["size_m"])), told["thickness_m"]
     window = STEPS_OF_A_WINDOW * min(face["stable_step_s"] for face in faces)
