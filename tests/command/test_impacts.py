@@ -89,13 +89,13 @@ class Pieces(unittest.TestCase):
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             entries = ""
-            for k, fragments in enumerate(([0] * 5, [4, 4, 7, 9, 11])):
+            for k, of_piece in enumerate(([0] * 5, [4, 4, 7, 9, 11])):
                 points = np.array([[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0], [4, 5, 0], [1, 4, 0]], float)
                 moved = np.array([[0, 0, 5.0 * j] for j in range(6)])
                 # of 4, 8, 4 and 2 m^2, reaching 2/3, 4/3, 5/3 and 1/3 m from the border
                 triangles = np.array([[0, 1, 2], [0, 2, 3], [3, 2, 4], [3, 4, 5], [0, 1, 2]])
                 write_vtp(folder / f"shell_{k}.vtp", points + moved, triangles,
-                          point_data={"displacement": moved}, cell_data={"fragment": np.array(fragments, float)})
+                          point_data={"displacement": moved}, cell_data={"fragment": np.array(of_piece, float)})
                 entries += f'<DataSet timestep="{k}" part="0" file="shell_{k}.vtp"/>'
             (folder / "frames.pvd").write_text(f"<VTKFile><Collection>{entries}</Collection></VTKFile>")
             inside, left = impacts._in_place(folder, 0.5)
