@@ -43,6 +43,7 @@ void Equilibria::find_all(const std::function<void()>& look) const {
     recorder.write_series_row();
     recorder.write_probes();
     recorder.write_frame();
+    recorder.progress(step + 1 == setup.steps);
   }
 }
 

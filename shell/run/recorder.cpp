@@ -133,10 +133,10 @@ void Recorder::write_series_row() {
       b.face_crushing);
 }
 
-void Recorder::progress() {
+void Recorder::progress(bool due) {
   if (quiet_) return;
   const double t = wall_clock();
-  if (t - last_progress_ < kProgressInterval) return;
+  if (!due && t - last_progress_ < kProgressInterval) return;
   last_progress_ = t;
   const RunSetup& setup = parts_.setup;
   if (setup.steps > 0) {
@@ -154,10 +154,12 @@ void Recorder::progress() {
     left = (t - parts_.pieces.frozen_wall()) / (done - pieces.frozen_at) * (setup.end_time - done);
   const bool bodies_follow = state.solving() && setup.latest_freeze < setup.end_time;
   const char* end = isatty(2) ? "\r" : "\n";
-  fmt::print(stderr, "{:.5f} of {:g} s  {:.0f} substeps/s  {} fragments, {} handed off  {} {:.0f} s left{}", done,
-             setup.end_time, static_cast<double>(state.substeps) / wall, pieces.fragments, pieces.handed_off,
-             state.solving() ? "shell: at most" : "bodies:", left,
-             bodies_follow ? std::string(", then bodies   ") + end : std::string("   ") + end);
+  const std::string rest =
+      done > 0.0 ? fmt::format("  {} {:.0f} s left{}", state.solving() ? "shell: at most" : "bodies:", left,
+                               bodies_follow ? ", then bodies" : "")
+                 : "";  // nobody knows yet
+  fmt::print(stderr, "{:.5f} of {:g} s  {:.0f} substeps/s  {} fragments, {} handed off{}   {}", done, setup.end_time,
+             static_cast<double>(state.substeps) / wall, pieces.fragments, pieces.handed_off, rest, end);
   std::fflush(stderr);
 }
 

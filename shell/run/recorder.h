@@ -61,8 +61,8 @@ class Recorder {
   void write_probes();
   /// Writes run.json and shards.csv. `error` is why the run failed, or null. Throws Error (io).
   void write_summary(const std::string& status, const Error* error);
-  /// Prints a line of progress on the terminal, at most twice a second.
-  void progress();
+  /// Prints a line of progress on the terminal, at most twice a second but where one is `due`.
+  void progress(bool due = false);
   /// Adds a span from `begin_ns` until now to the trace, where there is one.
   void traced(const char* name, std::int64_t begin_ns);
   void heard(const link::TimedReply& reply) { trace_.heard(reply); }
