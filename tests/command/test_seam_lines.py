@@ -18,36 +18,46 @@ def seam(y: np.ndarray) -> np.ndarray:
 
 
 class SeamLines(unittest.TestCase):
-    """A shell of 7 rows to the left of a curved seam, and one of 10 rows to its right."""
+    """A shell of 7 rows to the left of a curved seam, and one of 10 or 7 rows to its right."""
 
-    def mesh(self, fragments: tuple[int, int] = (0, 0), shells: tuple[int, int] = (0, 1), apart: float = 0.0) -> PolyData:
-        y = {rows: np.linspace(0.0, HEIGHT, rows + 1) for rows in (7, 10)}
-        parts = []
-        for rows, far in ((7, -0.1), (10, 0.1)):
-            border = np.column_stack([np.full(rows + 1, far), y[rows], np.zeros(rows + 1)])
-            parts.append(np.concatenate([border, np.column_stack([seam(y[rows]), y[rows], np.zeros(rows + 1)])]))
-        triangles = []
-        for rows, first in ((7, 0), (10, 16)):
+    def mesh(self, fragments: tuple[int, int] = (0, 0), shells: tuple[int, int] = (0, 1), apart: float = 0.0,
+             right: int = 10, crumbs: int = 0) -> PolyData:
+        points, triangles, count = [], [], []
+        for rows, far in ((7, -0.1), (right, 0.1)):
+            y, first = np.linspace(0.0, HEIGHT, rows + 1), sum(map(len, points))
+            points += [np.column_stack([x, y, 0.0 * y]) for x in (np.full(rows + 1, far), seam(y))]
             k = first + np.arange(rows)
-            triangles.append(np.concatenate([np.stack([k, k + rows + 1, k + 1], axis=1),
-                                             np.stack([k + 1, k + rows + 1, k + rows + 2], axis=1)]))
-        rest = np.concatenate(parts)
-        moved = np.concatenate([np.zeros((16, 3)), np.tile([apart, 0.0, 0.0], (22, 1))])
-        return PolyData(rest + moved, triangles=np.concatenate(triangles), point_data={"displacement": moved},
-                        cell_data={"fragment": np.repeat(fragments, (14, 20)), "shell": np.repeat(shells, (14, 20))})
+            triangles += [np.stack([k, k + rows + 1, k + 1], axis=1), np.stack([k + 1, k + rows + 1, k + rows + 2], axis=1)]
+            count.append(2 * rows)
+        for k in range(crumbs):  # small pieces of the first shell, far off, of which each has three lines
+            first = sum(map(len, points))
+            points.append(np.array([[5.0 + k, 0, 0], [5.001 + k, 0, 0], [5.0 + k, 0.001, 0]]))
+            triangles.append(np.array([[first, first + 1, first + 2]]))
+        rest = np.concatenate(points)
+        moved = np.zeros_like(rest)
+        moved[16:16 + 2 * (right + 1), 0] = apart
+        return PolyData(rest + moved, triangles=np.concatenate(triangles), point_data={"displacement": moved}, cell_data={
+            "fragment": np.concatenate([np.repeat(fragments, count), 50 + np.arange(crumbs)]),
+            "shell": np.concatenate([np.repeat(shells, count), np.full(crumbs, shells[0])])})
 
-    def seam_lines(self, mesh: PolyData) -> int:
+    def seam_lines(self, mesh: PolyData, right: int = 10, crumbs: int = 0) -> int:
         """Number of lines drawn along the seam; all other borders have to be there."""
         ends = (mesh.points - mesh.point_data["displacement"])[fragment_edges(mesh)]
         along = (np.abs(ends[:, :, 0]) < 0.05).all(axis=1)
-        self.assertEqual(int((~along).sum()), 7 + 10 + 4)
+        self.assertEqual(int((~along).sum()), 7 + right + 4 + 3 * crumbs)
         return int(along.sum())
 
     def test_a_seam_that_holds_is_not_drawn(self) -> None:
-        self.assertEqual(self.seam_lines(self.mesh()), 0)
+        for right in (7, 10):  # points that match, and points that do not
+            self.assertEqual(self.seam_lines(self.mesh(right=right), right), 0)
+
+    def test_small_pieces_elsewhere_change_nothing(self) -> None:
+        self.assertEqual(self.seam_lines(self.mesh(crumbs=40), crumbs=40), 0)
 
     def test_a_seam_that_has_opened_is_drawn_on_both_sides(self) -> None:
-        self.assertEqual(self.seam_lines(self.mesh(apart=0.05)), 7 + 10)
+        for right in (7, 10):
+            for apart in (0.02, 0.5):  # lines are 0.1 and 0.14 m long
+                self.assertEqual(self.seam_lines(self.mesh(apart=apart, right=right), right), 7 + right)
 
     def test_a_border_of_fragments_is_drawn(self) -> None:
         self.assertEqual(self.seam_lines(self.mesh(fragments=(3, 4))), 7 + 10)

@@ -7,9 +7,8 @@ import numpy as np
 
 from ..report.columns import read_columns
 from .frames import CRACKS, SHELL, Frame
-from .meshes import Scene, edges, reference_points, weld
+from .meshes import Scene, fragment_edges, reference_points
 from .raster import Camera, line_pixels, nothing, orthographic_camera, rasterise
-from .seams import off_seams
 from .views import INK, background, draw_scene
 from .vtp import PolyData
 
@@ -95,7 +94,7 @@ class _Pattern:
         fresh[hit] = True
         self._free[hit] = False
         pieces = np.isin(fragment, fragment[shown])
-        lines = [points[off_seams(mesh, edges(mesh.triangles[pieces], weld(points), fragment[pieces], None))]]
+        lines = [points[fragment_edges(mesh, pieces)]]
         if cracks is not None and (whole or "displacement" in cracks.point_data):
             lines.append(reference_points(cracks)[cracks.segments()])
         for drawn in map(self._pixels, lines):

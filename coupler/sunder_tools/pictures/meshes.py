@@ -98,9 +98,12 @@ def edges(triangles: np.ndarray, same: np.ndarray, labels: np.ndarray, normals: 
     return pairs[starts[seen]]
 
 
-def fragment_edges(mesh: PolyData) -> np.ndarray:
-    """Returns edges (k, 2) at borders of the shell's fragments, but for seams that hold."""
-    return off_seams(mesh, edges(mesh.triangles, weld(reference_points(mesh)), mesh.of_triangles("fragment", 0), None))
+def fragment_edges(mesh: PolyData, mine: np.ndarray | slice = slice(None)) -> np.ndarray:
+    """Returns edges (k, 2) at borders of the shells' fragments, of their triangles `mine`, but for seams that hold."""
+    own = np.zeros(len(mesh.points), np.int64)  # each shell ends at its seams
+    own[mesh.triangles.ravel()] = np.repeat(mesh.of_triangles("shell", 0).astype(np.int64), 3)
+    return off_seams(mesh, edges(mesh.triangles[mine], weld(reference_points(mesh), own), mesh.of_triangles("fragment", 0)[mine],
+                                 None))
 
 
 def piece_edges(bodies: PolyData, mine: np.ndarray, normals: np.ndarray) -> np.ndarray:

@@ -112,6 +112,56 @@ struct KickChange {
   }
 };
 
+// Damping of one kick.
+struct Damping {
+  ShellState& s;
+  double dt, alpha, beta;  // [s], [1/s], [s]; no `beta` before there are two forces
+
+  // Change of the velocity of component k, of control point i [m/s].
+  double change(std::size_t k, std::size_t i) const {
+    const double gain =
+        beta > 0.0 ? beta * (s.motion.force[k] - s.motion.last_force[k]) * s.motion.inverse_mass[i] : 0.0;
+    return gain - dt * alpha * s.motion.v[k];
+  }
+  // Energy m v- . v+ / 2 that a change of velocity takes from points of a mass that move alike, under a force [J].
+  double taken(double mass, double velocity, double force, double change) const {
+    return -mass * change * (velocity + 0.5 * (dt * force / mass + change));
+  }
+  double taken(std::size_t k, std::size_t i) const {
+    return s.motion.inverse_mass[i] > 0.0 ? taken(s.motion.mass[i], s.motion.v[k], s.motion.force[k], change(k, i))
+                                          : 0.0;
+  }
+  // Of points that a support ties together: they have one velocity.
+  double taken_together(std::size_t first, const std::vector<int>& slots) const {
+    double mass = 0.0, force = 0.0, momentum = 0.0, velocity = 0.0;
+    for (const int slot : slots) {
+      if (s.motion.inverse_mass[slot] == 0.0) continue;
+      const double own = s.motion.mass[slot];
+      mass += own, force += s.motion.force[first + slot], momentum += own * change(first + slot, slot);
+      velocity += own * s.motion.v[first + slot];
+    }
+    return mass > 0.0 ? taken(mass, velocity / mass, force, momentum / mass) : 0.0;
+  }
+
+  void book(const ShellModel& m) const {
+    const std::size_t stride = m.tables.component_stride;
+    const Constraints& c = m.constraints;
+    double sum = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      const std::size_t first = d * stride;
+      for (std::size_t i = 0; i < stride; ++i) sum += taken(first + i, i);
+      for (const int slot : c.held[d]) sum -= taken(first + slot, slot);  // it does not move
+      for (const auto& group : c.tied[d]) {
+        for (const int slot : group) sum -= taken(first + slot, slot);
+        sum += taken_together(first, group);
+      }
+      for (const auto& driven : c.driven)  // the support replaces what damping takes
+        for (const int slot : driven.slots[d]) s.book.external += taken(first + slot, slot);
+    }
+    s.book.damping += sum;
+  }
+};
+
 }  // namespace
 
 void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
@@ -172,29 +222,11 @@ void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, 
   book_support_impulse(m, s, gravity, dt);
   const double alpha = m.material.mass_damping, beta = m.material.stiffness_damping;
   if (alpha > 0.0 || beta > 0.0) {
-    const bool viscous = beta > 0.0 && s.motion.last_force.size() == s.motion.force.size();
-    const auto change_of = [&](std::size_t k, std::size_t i) {  // of v
-      const double gain =
-          viscous ? beta * (s.motion.force[k] - s.motion.last_force[k]) * s.motion.inverse_mass[i] : 0.0;
-      return gain - dt * alpha * s.motion.v[k];
-    };
-    const auto lost = [&](std::size_t k, std::size_t i, double change) {
-      return -s.motion.mass[i] * change *
-             (s.motion.v[k] + 0.5 * (dt * s.motion.inverse_mass[i] * s.motion.force[k] + change));
-    };
-    for (const auto& driven : m.constraints.driven)  // a support replaces what damping takes from a point that it moves
-      for (int d = 0; d < 3; ++d)
-        for (const int slot : driven.slots[d])
-          if (s.motion.inverse_mass[slot] > 0.0)
-            s.book.external += lost(d * stride + slot, slot, change_of(d * stride + slot, slot));
+    const Damping damping{s, dt, alpha, s.motion.last_force.size() == s.motion.force.size() ? beta : 0.0};
+    damping.book(m);
     for (int d = 0; d < 3; ++d)
-      for (std::size_t i = 0; i < stride; ++i) {
-        if (s.motion.inverse_mass[i] == 0.0) continue;
-        const std::size_t k = d * stride + i;
-        const double change = change_of(k, i);
-        s.book.damping += lost(k, i, change);
-        s.motion.v[k] += change;
-      }
+      for (std::size_t i = 0; i < stride; ++i)
+        if (s.motion.inverse_mass[i] > 0.0) s.motion.v[d * stride + i] += damping.change(d * stride + i, i);
     if (beta > 0.0) s.motion.last_force = s.motion.force;
   }
   for (int d = 0; d < 3; ++d) {

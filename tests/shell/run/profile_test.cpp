@@ -21,7 +21,7 @@ TEST(Profile, CountsThePointsOfRowsAndThoseBesideACrack) {
   const RowTables& t = rig.model().tables;
   const StageWork whole = force_work(rig.now());
   EXPECT_DOUBLE_EQ(whole.operations, t.gauss_points() * operations_of_row_point(t));
-  EXPECT_GT(whole.bytes, 8.0 * kMetricFields * t.gauss_points());
+  EXPECT_GT(whole.bytes, 8.0 * static_cast<int>(kMetricFields) * t.gauss_points());
   insert_polyline(rig.model(), rig.state(), {{0.1, 0.013}, {0.1, 0.187}}, 0.0);
   const auto& gathered = rig.state().cracked.gathered;
   ASSERT_FALSE(gathered.empty());

@@ -336,3 +336,30 @@ TEST(Damping, OfAMovingSupportIsItsWork) {
   EXPECT_GT(s.book.damping, 0.1 * s.book.external);
   EXPECT_NEAR(s.book.external - s.book.damping, left, 1e-3 * s.book.external);
 }
+
+// What supports hold along one axis, or tie together, loses what its motion loses, and that is what the book has.
+TEST(Damping, OfHeldAxesAndOfTiedPointsIsWhatTheirMotionLoses) {
+  ShellMaterial material = glass();
+  material.mass_damping = 400.0, material.stiffness_damping = 2e-7;
+  Support mirrored{kUMin, false}, along_z{kUMax, false};
+  mirrored.symmetry = 0, along_z.axes = {false, false, true};
+  const ShellModel m = make_shell("p", plate(0.2, 0.1, 8, 4, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2,
+                                  {mirrored, along_z});
+  ASSERT_FALSE(m.constraints.tied[2].empty());
+  ASSERT_FALSE(m.constraints.held[2].empty());
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  for (std::size_t k = 0; k < s.motion.v.size(); ++k)
+    if (s.motion.inverse_mass[k % m.tables.component_stride] > 0.0) s.motion.v[k] = 0.01 * std::sin(1.7 * (k + 1.0));
+  const double dt = 0.5 * stable_step(m, s, 100, 1, false);
+  constrain(m, s, dt);
+  const auto energy = [&] { return compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt); };
+  const double first = energy();
+  double last = first;
+  for (int k = 0; k < 2000; ++k) {
+    last = energy();
+    ASSERT_LE(std::abs(last + s.book.damping - first), 1e-4 * first) << k;
+    kick(m, s, Vec3::Zero(), dt), constrain(m, s, dt), drift(m, s, dt);
+    compute_forces(m, s, false, 0.0, 1);
+  }
+  EXPECT_GT(s.book.damping, 0.3 * first);
+}
