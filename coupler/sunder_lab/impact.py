@@ -15,6 +15,7 @@ from .scene import Results, Scene
 from .schema import with_preset
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], for a scene without gravity field
+UNTOUCHED = 1e-7  # share of the body's momentum that is round-off of the nine digits in probes.csv, over all rows
 NO_PUSH = 1e-3  # share of the largest impulse: contact has ended where less is to come
 SETTLED = 0.02  # last share of the record in which nothing pushes a body whose values are final
 FEWEST_ROWS = 4  # of the probe, in an interval over which a force is taken
@@ -62,14 +63,16 @@ class Motion:
         """Returns the time [s] after which less than a thousandth of the largest impulse is to come; 0 without an
         impulse. At the end of the run, final values are not final yet (`settled`)."""
         most = np.linalg.norm(self.impulse, axis=1).max()
+        if most <= UNTOUCHED * self.mass * float(np.linalg.norm(self.velocity, axis=1).max()):
+            return 0.0
         left = np.linalg.norm(self.impulse - self.impulse[-1], axis=1)
         return float(self.time[1 + int(np.flatnonzero(left > NO_PUSH * most)[-1])]) if most > 0.0 else 0.0
 
     @property
     def settled(self) -> bool:
-        """Returns whether the body's last contact ended before the last SETTLED of the record. Otherwise it may still be pushed,
-        and what is final of it is that of the moment."""
-        return self.contact_until <= self.time[-1] - SETTLED * (self.time[-1] - self.time[0])
+        """Returns whether the body was touched, and its last contact ended before the last two hundredths of the record.
+        Otherwise it has not arrived, or may still be pushed, and what is final of it is that of the moment."""
+        return 0.0 < self.contact_until <= self.time[-1] - SETTLED * (self.time[-1] - self.time[0])
 
     def largest_mean_force(self, interval_s: float) -> float:
         """Returns the largest mean force over any interval of this length [N], without gravity.
@@ -221,8 +224,9 @@ def impact(body: str | None = None, mass: float | None = None, interval_s: float
     """Measures, for experiments, the usual quantities of an impact by `body`, as columns.
 
     `residual_velocity_m_per_s` along the way in which it came, `impulse_N_s`, `contact_until_s`, `energy_..._J` as by
-    `energy_taken`, and `crack_length_m`. `settled` is 1 where the last contact ended before the last SETTLED of the record;
-    where it is 0 the body may still be pushed, and `end_time_s` is too short for final values.
+    `energy_taken`, and `crack_length_m`. `settled` is 1 where it was touched and the last contact ended before the last
+    two hundredths of the record; where it is 0 it has not arrived or may still be pushed, and `end_time_s` is too short for
+    final values.
 
     With `interval_s` also `mean_force_N`, the largest mean force over an interval of this length, and
     `mean_force_interval_s`, the length: at least four rows of the probe (a row a window, if `output.probe_interval_s` is no

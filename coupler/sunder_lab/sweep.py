@@ -94,13 +94,13 @@ def _warnings(out: Path, table: Table) -> list[str]:
 
 
 def _unsettled(table: Table) -> list[str]:
-    """A line where runs end while the body of `sunder.impact` is still pushed."""
+    """A line where runs end before the body of `sunder.impact` has arrived, or while it is still pushed."""
     if "settled" not in table.columns:
         return []
     told = [row for row in table if row["status"] == "done"]
     early = [row for row in told if row["settled"] == 0.0]
-    return [f"warning          {len(early)} of {len(told)} runs end while the body is still pushed (settled is 0): what they give "
-            "as final is of that moment; set a later end_time_s"] if early else []
+    return [f"warning          {len(early)} of {len(told)} runs end before the body has arrived or while it is still pushed "
+            "(settled is 0): what they give as final is of that moment; set a later end_time_s"] if early else []
 
 
 def _tell_v50(series: Series, found: Ballistic) -> int:

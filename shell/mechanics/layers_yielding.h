@@ -210,8 +210,8 @@ struct RowPlasticity {
   Yielding law;
   std::vector<double>* states = nullptr;  // [block][layer][change 11 22 12, strain][lane]; null: no layer yields
   // Forms at which the states last advanced: [block][kFormFields][lane]. The first is negative where the point did not
-  // bear; then the previous stress is taken as the present one. The second is negative where a state of the point was
-  // ever written. Elsewhere all are zero, and nobody has to read them.
+  // bear; then the previous stress is taken as the present one. The second is negative where the states of the
+  // point may differ from zero. Where it is positive they are all zero, and nobody has to read them.
   std::vector<double>* forms = nullptr;
   bool advance = false;     // states advance
   double dissipated = 0.0;  // gains the plastic work of states that advance [J]

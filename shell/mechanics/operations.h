@@ -1,5 +1,6 @@
 #pragma once
-// Floating-point operations of the kernels, counted by running their formulas.
+// Floating-point operations of the kernels. Those of the section are counted by running its formulas; contractions over
+// shape functions have the counts of their sums.
 #include "shell/mechanics/row_tables.h"
 
 namespace sunder::shell {

@@ -84,9 +84,9 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
         fmt::format("{:.1f} % of the Gauss points are rubble, which bears nothing: refine", 100.0 * audit.rubble));
   if (share(-b.handoff) > kLargestGain)
     out.push_back(
-        fmt::format("pieces that were handed off as rigid bodies took {:.1f} % more energy with them than they had: {}",
+        fmt::format("pieces that were handed off as rigid bodies took {:.1f} % more energy with them than they had{}",
                     100.0 * share(-b.handoff),
-                    audit.grid_transfer ? "the grid glues what is cut; take transfer.kind DIRECT" : "refine"));
+                    audit.grid_transfer ? ": the grid glues what is cut; take transfer.kind DIRECT" : ""));
   if (share(audit.coupling) > kUncertain)
     out.push_back(fmt::format(
         "windows are too long for bodies that the shell pushes and the engine holds: {:.1f} % of the energy "

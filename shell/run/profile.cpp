@@ -1,6 +1,7 @@
 #include "shell/run/profile.h"
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <functional>
 #include <vector>
@@ -37,11 +38,13 @@ StageWork force_work(const ShellModel& m, const ShellState& s) {
   // tables once, positions once, forces twice: as parts of rows and as their sum
   work.bytes = kNumber * static_cast<double>(t.metric.size() + t.basis_u.size() + t.basis_v.size() +
                                              t.denominator.size() + t.thickness.size() + 9 * t.component_stride);
-  if (s.yields()) work.bytes += kNumber * 2.0 * kFormFields * gauss;      // read and written
-  if (!s.caches.over.empty()) work.bytes += kNumber * 2.0 * 6.0 * gauss;  // stress of the faces
+  if (s.yields()) work.bytes += kNumber * 2.0 * kFormFields * gauss;              // read and written
+  if (!s.caches.over.empty()) work.bytes += kNumber * 2.0 * 6.0 * gauss;          // stress of the faces
+  const double bare = gathered > 0.0 ? operations_of_gathered_point(t, 0) : 0.0;  // counted once
+  const double each = gathered > 0.0 ? operations_of_gathered_point(t, 1) - bare : 0.0;
   for (const GatheredPoint& g : s.cracked.gathered) {
     if (g.in_rows || g.kind == PointKind::kDead) continue;
-    work.operations += operations_of_gathered_point(t, g.functions.size());
+    work.operations += bare + each * static_cast<double>(g.functions.size());
     work.bytes += kPointBytes + kFunctionBytes * static_cast<double>(g.functions.size());
   }
   if (m.laminated()) {
@@ -145,12 +148,13 @@ void Profile::count(int substeps) {
   };
   add(force_, force_work(simulation_.state), substeps + 1.0);
   add(kick_drift_, kick_drift_work(simulation_.state), substeps);
-  substeps_ += substeps;
+  substeps_ += substeps, threads_ += substeps * static_cast<double>(simulation_.scratch.pace.threads());
 }
 
 void Profile::write(const std::string& folder) const {
   using Json = nlohmann::ordered_json;
-  const int threads = std::max(simulation_.model.threads, simulation_.model.shells_at_once);
+  // Beside other programs a run takes fewer threads than it may.
+  const int threads = substeps_ > 0.0 ? std::max(1, static_cast<int>(std::lround(threads_ / substeps_))) : 1;
   const double peak = measure_peak(threads);
   Json stages = Json::array();
   for (std::size_t k = 0; k < kStageNames.size(); ++k) {

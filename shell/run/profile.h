@@ -40,7 +40,7 @@ class Profile {
   const Simulation& simulation_;
   StageTimes before_;
   Sum force_, kick_drift_;
-  double substeps_ = 0.0;
+  double substeps_ = 0.0, threads_ = 0.0;  // threads of each substep, summed
 };
 
 }  // namespace sunder::shell

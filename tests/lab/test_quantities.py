@@ -66,6 +66,8 @@ class Motions(InFolder):
         self.assertEqual(one.contact_until, one.time[-1])
         self.assertFalse(one.settled)
         self.assertTrue(sunder.motion(write_run(self.here / "left", until=5)).settled)
+        free = replace(one, velocity=one.velocity[:1] + one.gravity * one.time[:, None] + 1e-9 * np.sin(np.arange(len(one.time)))[:, None])
+        self.assertEqual((free.contact_until, free.settled), (0.0, False))  # it has touched nothing
         self.assertEqual(sunder.motion(write_run(self.here / "short", until=5)).contact_until, one.time[5])
 
     def test_largest_mean_force_is_the_impulse_over_its_interval(self) -> None:

@@ -316,7 +316,7 @@ class Names(unittest.TestCase):
             {"member": name, "status": status, "settled": settled}
             for name, status, settled in (("a", "done", 1.0), ("b", "done", 0.0), ("c", "failed", None))])
         line, = _unsettled(rows)
-        self.assertIn("1 of 2 runs end while the body is still pushed", line)
+        self.assertIn("1 of 2 runs end before the body has arrived or while it is still pushed", line)
 
     def test_an_interval_of_less_than_four_rows_is_told_before_a_run(self) -> None:
         rows = float(coarse()["window_s"])

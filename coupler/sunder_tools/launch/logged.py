@@ -26,43 +26,45 @@ def run_logged(command: list[str], log: Path, cwd: Path | None = None,
     with log.open("ab") as sink:
         sink.write(f"$ {command_line(command)}\n".encode())
         sink.flush()
-        process = subprocess.Popen(command, cwd=cwd, env=environment, stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
-        assert process.stdout is not None
-        try:
-            with _handled_here():
+        with _handled_here():
+            process = subprocess.Popen(command, cwd=cwd, env=environment, stdin=subprocess.DEVNULL,
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+            assert process.stdout is not None
+            try:
                 for line in process.stdout:
                     sink.write(line)
                     if on_line:
                         on_line(line.decode(errors="replace").rstrip())
                 return process.wait()
-        except (KeyboardInterrupt, Interrupted):
-            try:
-                os.killpg(process.pid, signal.SIGINT)
-            except (ProcessLookupError, PermissionError):
-                pass
-            process.wait()
-            raise
-        finally:
-            process.stdout.close()
+            except (KeyboardInterrupt, Interrupted):
+                try:
+                    os.killpg(process.pid, signal.SIGINT)
+                except (ProcessLookupError, PermissionError):
+                    pass
+                process.wait()
+                raise
+            finally:
+                process.stdout.close()
 
 
 @contextmanager
 def _handled_here() -> Iterator[None]:
-    """Context: SIGTERM raises Interrupted, where it would end this process at once and leave the program running."""
-    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
-        yield
-        return
+    """Context: SIGTERM and SIGHUP raise Interrupted, where they would end this process at once and leave the program
+    running."""
+    mine = [number for number in (signal.SIGTERM, signal.SIGHUP)
+            if threading.current_thread() is threading.main_thread() and signal.getsignal(number) is signal.SIG_DFL]
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         del number, frame
         raise Interrupted
 
-    signal.signal(signal.SIGTERM, interrupt)
+    for number in mine:
+        signal.signal(number, interrupt)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        for number in mine:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def tail(log: Path, lines: int) -> str:

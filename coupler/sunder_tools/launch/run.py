@@ -102,6 +102,9 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
         shell += ["--resume"] if resume else []
         shell += ["--record", str(folder.path / RECORD_FILE)] if job.record else []
         shell += ["--trace", str(folder.path / TRACE_FILE)] if job.trace else []
+        if job.profile:  # that of an earlier start is not of this one
+            for name in (PROFILE_FILE, PROFILE_PICTURE):
+                (folder.path / name).unlink(missing_ok=True)
         shell += ["--rigid-program", rigid.program] if job.trace and rigid.command else []
         shell += ["--keys", str(job.keys)] if job.keys else []
         with _counted_interrupts() as interrupts:

@@ -63,7 +63,7 @@ def read_seconds(folder: Path) -> dict[str, object]:
 
 
 def _seconds(entry: object) -> float | None:
-    value = entry.get("seconds") if isinstance(entry, dict) else None
+    value = entry.get("processor_s") if isinstance(entry, dict) else None
     return float(value) if isinstance(value, (int, float)) else None
 
 
@@ -82,8 +82,10 @@ def measure(names: list[str], folder: Path = SCENES) -> None:
         made_with = circumstances(build_dir())  # the load before it, not its own
         with tempfile.TemporaryDirectory(prefix="seconds-sunder-") as out:
             launch_once(executables, there[name], Path(out), [])
-            taken = read_usage(Path(out)).get("processor_s", 0.0)
-        _keep(folder, name, {"seconds": float(f"{taken:.3g}"), **made_with})
+            taken = read_usage(Path(out)).get("processor_s")
+            if taken is None:
+                raise CommandError(f"{name}: the run has left no record of its processor time in {out}: is the disk full?")
+        _keep(folder, name, {"processor_s": float(f"{taken:.3g}"), **made_with})
 
 
 def _keep(folder: Path, name: str, entry: dict[str, object]) -> None:

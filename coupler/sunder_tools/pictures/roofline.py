@@ -22,7 +22,7 @@ class Rate:
 
 
 def roofs(peak_gflops: float, rates: list[Rate], name: str) -> Panel:
-    """Returns a panel with a dot a rate, and a roof for each rate of memory: no dot can be above its own."""
+    """Returns a panel with a dot a rate, and a roof for each rate of memory, of arrays as large as those of its dots."""
     low, high = min(r.intensity for r in rates) / BESIDE, max(r.intensity for r in rates) * BESIDE
     lines = []
     for memory in sorted({r.gb_per_s for r in rates}):
