@@ -240,7 +240,7 @@ class Registry(unittest.TestCase):
                               (crack_books, ("books", "many")),
                               (crack_paths, ("modes", "pressed_plate", "kalthoff", "branching", "share")),
                               (mirrors, ("mirror",)), (tearing, ("trousers", "flap")),
-                              (fragments, ("strip",)), (bends, ("bent_section",)), (cutting, ("blunt_tool",))):
+                              (fragments, ("strip", "expanding_ring")), (bends, ("bent_section",)), (cutting, ("blunt_tool",))):
             for name in names:
                 self.assertTrue(callable(getattr(module, name)))
                 self.assertIn(name, [e.name for e in experiments.EXPERIMENTS["cracks"]])

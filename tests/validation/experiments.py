@@ -196,6 +196,7 @@ EXPERIMENTS = {"shells": (
                _later("cutting", "blunt_tool")),
     Experiment("strip", "mean size of fragments of a strip over the rate at which it is stretched, six rates, both modes, "
                "two spacings (Zhou, Molinari, Ramesh 2006)", _later("fragments", "strip")),
+    Experiment("expanding_ring", "the same of a ring that expands", _later("fragments", "expanding_ring")),
     Experiment("bent_section", "what a bent section takes until damage cuts it, 2 to 9 layers, two spacings",
                _later("bends", "bent_section")),
     Experiment("share", "what cracks cost while they grow, and with their number", _later("crack_paths", "share")),

@@ -43,6 +43,8 @@ FROM_RAYLEIGH = 0.1     # chosen
 APART = 0.1             # chosen; between the sizes of mode DAMAGE and those that are solved
 FINER = 40              # elements along a fragment in `solved`
 STEP = 0.1              # [of the passage of a wave over an element] in `solved`
+SECTORS = 3             # of a ring
+PUSH = 0.2              # [of the time until the strength is reached]
 STIFF = 1e-3            # [of the opening at which nothing is borne]: unloading in `solved` is no stiffer than from there
 OFF = 0.01  # [of the strip's section]: smaller pieces are chips of the border
 
@@ -127,23 +129,38 @@ def solved(strip: Strip) -> np.ndarray:
     return np.diff(np.concatenate([[0.0], x[open_ & (most >= gone)], [x[-1]]]))
 
 
-def _write_flaws(path: Path, strip: Strip) -> tuple[float, float]:
-    """Writes a grey image of the factors; returns those of black and white."""
+def _write_flaws(folder: Path, strip: Strip, parts: int = 1) -> tuple[float, float]:
+    """Writes grey images flaws_0.pgm and so on of the factors, one for each part; returns those of black and white."""
     factors = flaws(strip, (np.arange(strip.elements) + 0.5) / strip.grid)
     low, high = float(factors.min()), float(factors.max())
-    grey = np.round((factors - low) / (high - low) * 65535.0).astype(">u2")
-    path.write_bytes(f"P5 {strip.elements} {ACROSS} 65535\n".encode() + np.tile(grey, (ACROSS, 1)).tobytes())
+    for k, part in enumerate(np.split(np.round((factors - low) / (high - low) * 65535.0).astype(">u2"), parts)):
+        (folder / f"flaws_{k}.pgm").write_bytes(f"P5 {len(part)} {ACROSS} 65535\n".encode() + np.tile(part, (ACROSS, 1)).tobytes())
     return low, high
+
+
+def _times(strip: Strip) -> tuple[float, float, float]:
+    """Returns the time at which the strength is reached, the window, and the end, by which the last cracks are open [s]."""
+    rate = strip.rate * RATE
+    broken = STRENGTH / (YOUNG * rate)
+    opening = 2.0 * FRACTURE_ENERGY / STRENGTH / (rate * published_size(strip.rate) * SIZE)  # until a crack is open
+    window = max(0.01 * broken, 0.45 * strip.spacing / SPEED)
+    return broken, window, window * math.ceil((1.05 * broken + 2.0 * opening + 2.0 * SIZE / SPEED) / window)
+
+
+def _head(name: str, strip: Strip) -> list[str]:
+    _, window, end = _times(strip)
+    damage = f"mode: DAMAGE damage_width_m: {BAND * strip.spacing:.12g} healing: false" if strip.mode == "damage" else "mode: TIPS"
+    return [f'name: "{name}"', f"end_time_s: {end:.12g}", f"window_s: {window:.12g}", "gravity {}",
+            f'materials {{ name: "brittle" density: {DENSITY} youngs_modulus: {YOUNG} poisson_ratio: 0 strength: {STRENGTH} '
+            f"fracture_energy: {FRACTURE_ENERGY} }}", f"fracture {{ {damage} quiet_time_s: {end:.12g} }}",
+            f"output {{ frame_interval_s: {0.5 * end:.12g} }}"]
 
 
 def scene_of(strip: Strip, low: float, high: float) -> str:
     """Returns the text of the scene. Each column of control points is driven at its own speed until just before the
     strength is reached, then only both ends are."""
     h, length, rate = strip.spacing, strip.length, strip.rate * RATE
-    broken = STRENGTH / (YOUNG * rate)  # [s], when the strength is reached
-    opening = 2.0 * FRACTURE_ENERGY / STRENGTH / (rate * published_size(strip.rate) * SIZE)  # [s], until a crack is open
-    window = max(0.01 * broken, 0.45 * h / SPEED)
-    end = window * math.ceil((1.05 * broken + 2.0 * opening + 2.0 * SIZE / SPEED) / window)
+    broken, window, end = _times(strip)
     released = window * max(1, math.floor(RELEASED * broken / window))
     places = [0.0, *((k + 0.5) * h for k in range(strip.elements)), length]  # Greville points of degree 2
     supports = []
@@ -153,15 +170,29 @@ def scene_of(strip: Strip, low: float, high: float) -> str:
             f"  supports {{ kind: SIMPLY_SUPPORTED axes: X {until}"
             f"regions {{ low {{ u: {max(0.0, u - 0.1 * h):.12g} v: 0 }} high {{ u: {min(length, u + 0.1 * h):.12g} v: {strip.width:.12g} }} }} "
             f"motion {{ time_s: 0 }} motion {{ time_s: {end:.12g} displacement {{ x: {rate * (u - 0.5 * length) * end:.12g} }} }} }}")
-    damage = f"mode: DAMAGE damage_width_m: {BAND * h:.12g} healing: false" if strip.mode == "damage" else "mode: TIPS"
     return "\n".join([
-        'name: "strip"', f"end_time_s: {end:.12g}", f"window_s: {window:.12g}", "gravity {}",
-        f'materials {{ name: "brittle" density: {DENSITY} youngs_modulus: {YOUNG} poisson_ratio: 0 strength: {STRENGTH} '
-        f"fracture_energy: {FRACTURE_ENERGY} }}",
-        "shells {", f'  name: "strip" material: "brittle" thickness_m: {strip.width:.12g}',
+        *_head("strip", strip), "shells {", f'  name: "strip" material: "brittle" thickness_m: {strip.width:.12g}',
         f"  plate {{ size_x_m: {length:.12g} size_y_m: {strip.width:.12g} elements_x: {strip.elements} elements_y: {ACROSS} }}",
-        f'  strength_map {{ path: "flaws.pgm" low_factor: {low:.9g} high_factor: {high:.9g} }}', *supports, "}",
-        f"fracture {{ {damage} quiet_time_s: {end:.12g} }}", f"output {{ frame_interval_s: {0.5 * end:.12g} }}", ""])
+        f'  strength_map {{ path: "flaws_0.pgm" low_factor: {low:.9g} high_factor: {high:.9g} }}', *supports, "}", ""])
+
+
+def ring_of(strip: Strip, low: float, high: float) -> str:
+    """Returns the text of a ring of joined sectors, as long as the strip. A short push from inside gives it the speed at
+    which its circumference grows at the rate; forces along the ring then slow it down a little."""
+    radius, thickness = strip.length / (2.0 * math.pi), 0.5 * strip.width
+    push = PUSH * _times(strip)[0]
+    pressure = 2.0 * DENSITY * thickness * strip.rate * RATE * radius / push  # it rises and falls evenly
+    lines = [*_head("ring", strip), "seams {}"]
+    for k in range(SECTORS):
+        half = math.pi * k / SECTORS
+        lines += [
+            "shells {", f'  name: "ring_{k}" material: "brittle" thickness_m: {thickness:.12g}',
+            f"  cylinder {{ radius_m: {radius:.12g} length_m: {strip.width:.12g} angle_deg: {360 // SECTORS} elements_u: "
+            f"{strip.elements // SECTORS} elements_v: {ACROSS} pose {{ orientation {{ w: {math.cos(half):.15g} z: {math.sin(half):.15g} }} }} }}",
+            f'  strength_map {{ path: "flaws_{k}.pgm" low_factor: {low:.9g} high_factor: {high:.9g} }}',
+            f"  loads {{ pressure: {pressure:.12g} factor {{ time_s: 0 value: 0 }} factor {{ time_s: {0.5 * push:.12g} value: 1 }} "
+            f"factor {{ time_s: {push:.12g} value: 0 }} }}", "}"]
+    return "\n".join([*lines, ""])
 
 
 def sizes_of(folder: Path, width: float) -> np.ndarray:
@@ -182,7 +213,7 @@ def _broken(executables: Executables, strip: Strip) -> tuple[np.ndarray, float, 
     """Returns sizes over s0, the missing share of the energy, and seconds."""
     with tempfile.TemporaryDirectory(prefix="validate-sunder-") as place:
         scene = Path(place) / "strip.textproto"
-        scene.write_text(scene_of(strip, *_write_flaws(Path(place) / "flaws.pgm", strip)))
+        scene.write_text(scene_of(strip, *_write_flaws(Path(place), strip)))
         with kept_run(executables, str(scene), []) as (folder, seconds):
             return sizes_of(folder, strip.width) / SIZE, read_run(folder)["energy"]["residual_relative"], seconds
 
@@ -224,3 +255,20 @@ def strip(table: Table, executables: Executables) -> None:
         table.curves.append({"name": mode, "panel": "fragments of a strip", "x": list(RATES), "y": means, **axes})
         table.lines.append(f"strip, mode {mode}: Rayleigh's sizes scatter by {math.sqrt(4.0 / math.pi - 1.0):.2f} of their mean, "
                            f"these by {np.concatenate(every).std():.2f}")
+
+
+def expanding_ring(table: Table, executables: Executables) -> None:
+    """Runs rings at six rates, in both modes, on the finer grid: number of the fragments."""
+    for mode in MODES:
+        residuals = []
+        for rate in RATES:
+            ring = Strip(mode, rate, GRIDS[-1])
+            with tempfile.TemporaryDirectory(prefix="validate-sunder-") as place:
+                scene = Path(place) / "ring.textproto"
+                scene.write_text(ring_of(ring, *_write_flaws(Path(place), ring, SECTORS)))
+                with kept_run(executables, str(scene), []) as (folder, seconds):
+                    run = read_run(folder)
+            residuals.append(run["energy"]["residual_relative"])
+            table.add(f"ring_{mode}_{rate:g}_size", ring.length / SIZE / run["counts"]["fragments"], published_size(rate), WITHIN,
+                      seconds)
+        table.add(f"ring_{mode}_energy", float(np.abs(residuals).max()), 0.0, MOST_MISSING, 0.0)
