@@ -94,6 +94,25 @@ class WholeRuns(OfARun):
         np.testing.assert_allclose(here[1], 0.5 * (here[0] + here[2]), atol=1e-9)
         self.assertAlmostEqual(here[0][2], HEIGHT_M + BALL_RADIUS_M + 0.003 - 20 * fall[0], places=9)
 
+    def test_bodies_turn_about_their_centre_of_mass(self) -> None:
+        """A bar with most of its points at one end: that end does not swing about the middle of the points."""
+        corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1.0]]) * [4, 1, 1]
+        sides = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+        triangles = np.array([[q[0], q[k], q[k + 1]] for q in sides for k in (1, 2)])
+        points = np.concatenate([corners, np.tile([[0.0, 0.5, 0.5]], (9, 1))])  # the last ones are of no triangle but one
+        triangles = np.concatenate([triangles, [[8 + k, 8 + k, 8 + k] for k in range(9)]])
+        turn = turn_of(np.array([0, 0, np.sin(0.5), np.cos(0.5)]))
+        (self.folder / "bar").mkdir()
+        frames = []
+        for k, (here, time) in enumerate(((points, 0.0), ((points - [2, 0.5, 0.5]) @ turn.T + [5, 0.5, 2.5], 1.0))):
+            write_vtp(self.folder / f"bar/{k}.vtp", here, triangles, floats="f8",
+                      cell_data={"body": np.ones(len(triangles)), "kind": np.zeros(len(triangles))})
+            frames.append(Frame(time, {BODIES: self.folder / f"bar/{k}.vtp"}))
+        bodies = film_frames(frames, 4.0, 1.0)[0][1].read(BODIES)
+        assert bodies is not None
+        quarter = turn_of(np.array([0, 0, np.sin(0.125), np.cos(0.125)]))
+        np.testing.assert_allclose(bodies.points, (points - [2, 0.5, 0.5]) @ quarter.T + [2.75, 0.5, 1.0], atol=1e-12)
+
     def test_a_film_has_a_picture_a_step(self) -> None:
         status, said = self.sunder("render", "--film", "--speed", "2", "--fps", "8", "--size", "64x48", "--jobs", "1", "--out",
                                    str(self.folder / "film.gif"))

@@ -1,7 +1,7 @@
 """Frames between those of a run: resampled in time, for films and exports with --speed.
 
-A frame between keeps the triangles of the one before it. Its bodies go straight on and turn evenly. Points of shells go
-straight to where the next frame has them.
+A frame between keeps the triangles of the one before it. The centres of mass of its bodies go straight on, and bodies turn
+evenly about them. Points of shells go straight to where the next frame has them.
 """
 from __future__ import annotations
 
@@ -95,6 +95,15 @@ def centre_of_sheet(points: np.ndarray, triangles: np.ndarray, rest: np.ndarray)
     return (area[:, None] * corner.mean(axis=1)).sum(axis=0) / area.sum()
 
 
+@dataclass(frozen=True)
+class _Move:
+    """The motion of a body: its points, its centre of mass (3,) [m], its rotation (3, 3) about it, the way (3,) of it [m]."""
+    mine: np.ndarray
+    centre: np.ndarray
+    turn: np.ndarray
+    way: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Interval:
     """Two frames that follow one another. The last ones that were asked keep what they have read."""
@@ -125,12 +134,13 @@ class Interval:
         return pair[0], pair[1]
 
     @cached_property
-    def _bodies(self) -> tuple[PolyData, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] | None:
-        """Bodies, and of each that moves its points, its rotation and its way."""
+    def _bodies(self) -> tuple[PolyData, list[_Move]] | None:
+        """Bodies, and those that move."""
         bodies, after = self.before.read(BODIES), self.after.read(BODIES)
         if bodies is None:
             return None
         then, moves = by_body(after) if after is not None else {}, []
+        body, number = bodies.of_triangles("body", 0).astype(np.int64), np.zeros(len(bodies.points), np.int64)
         for one, mine in by_body(bodies).items():
             theirs = then.get(one)
             if after is None or theirs is None or len(theirs) != len(mine):
@@ -138,7 +148,9 @@ class Interval:
             here, there = bodies.points[mine], after.points[theirs]
             turn, left = fit(here, there)
             if left <= RIGID * np.ptp(here, axis=0).max():
-                moves.append((mine, turn, there.mean(axis=0) - here.mean(axis=0)))
+                number[mine] = np.arange(len(mine))
+                centre, middle = centre_of_mass(here, number[bodies.triangles[body == one]]), here.mean(axis=0)
+                moves.append(_Move(mine, centre, turn, there.mean(axis=0) + turn @ (centre - middle) - centre))
         return bodies, moves
 
     def shell_at(self, share: float) -> PolyData | None:
@@ -160,9 +172,9 @@ class Interval:
             return None
         bodies, moves = self._bodies
         points = bodies.points.copy()
-        for mine, turn, way in moves:
-            middle = points[mine].mean(axis=0)
-            points[mine] = (points[mine] - middle) @ share_of_turn(turn, share).T + middle + share * way
+        for move in moves:
+            arms = points[move.mine] - move.centre
+            points[move.mine] = arms @ share_of_turn(move.turn, share).T + move.centre + share * move.way
         data = dict(bodies.point_data)
         if "displacement" in data:
             data["displacement"] = data["displacement"] + points - bodies.points
