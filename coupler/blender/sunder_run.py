@@ -23,6 +23,7 @@ bl_info = {"name": "Sunder run", "author": "The Sunder developers", "version": (
            "description": "Imports a run folder: pieces, bodies, materials, thickness, cracks"}
 
 LINEAR, CONSTANT = 1, 0  # interpolation of keyframes, as foreach_set takes it
+TURN = 0.02              # [rad] between two keys of a rotation: its third power, some 1e-7 rad, is the error half way
 CLEAR_OPACITY = 1.0      # below it a material lets light through
 
 
@@ -45,13 +46,13 @@ def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = Fals
     or VtpError of the reader.
     """
     _find_reader(reader)
-    from sunder_tools.pictures.between import film_frames
+    from sunder_tools.pictures.between import key_frames
     from sunder_tools.pictures.frames import list_frames
     from sunder_tools.pictures.look import origins
     from sunder_tools.pictures.story import story_of
     from sunder_tools.report.scene_text import known_words
     run = Path(folder)
-    frames, times = film_frames(list_frames(run), fps, speed or None, to_the_end=True)
+    frames, times = key_frames(list_frames(run), fps, speed or None)
     words = known_words(run, "import")
     things = story_of(frames, words, origins(run, words), middle)
     scene = bpy.context.scene
@@ -84,10 +85,28 @@ def _add_thing(thing: Any, collection: Any, at: np.ndarray) -> Any:
         action = _action(empty)
         _curves(action, "location", codes, np.array(thing.centre))
         if np.ptp(turn, axis=0).any():
-            _curves(action, "rotation_quaternion", codes, turn)
+            _curves(action, "rotation_quaternion", *_evenly(codes, turn))
     for number, shape in enumerate(thing.shapes):
         _add_shape(f"{thing.name}_shape_{number}", shape, empty, collection, at)
     return empty
+
+
+def _evenly(codes: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Adds keys to those of unit quaternions (n, 4) where much is turned between two: components go straight here, and a body
+    would turn faster half way. There is at most one a frame of the film."""
+    half = np.arccos(np.clip(np.einsum("ij,ij->i", turn[:-1], turn[1:]), -1.0, 1.0))
+    all_codes, all_turns = [codes[:1]], [turn[:1]]
+    for k, angle in enumerate(half):
+        steps = int(np.ceil(2.0 * angle / TURN))
+        between = np.arange(np.floor(codes[k]) + 1, codes[k + 1])  # whole frames of the film
+        if len(between) + 1 > steps:
+            between = np.linspace(codes[k], codes[k + 1], max(steps, 1) + 1)[1:-1]
+        share = ((between - codes[k]) / (codes[k + 1] - codes[k]))[:, None]
+        if len(between):
+            all_turns.append((np.sin((1.0 - share) * angle) * turn[k] + np.sin(share * angle) * turn[k + 1]) / np.sin(angle))
+        all_codes += [between, codes[k + 1:k + 2]]
+        all_turns.append(turn[k + 1:k + 2])
+    return np.concatenate(all_codes), np.concatenate(all_turns)
 
 
 def _add_shape(name: str, shape: Any, parent: Any, collection: Any, at: np.ndarray) -> None:

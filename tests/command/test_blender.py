@@ -11,11 +11,16 @@ from pathlib import Path
 import numpy as np
 
 from sunder_tools.pictures.animated import animated_glb
+from sunder_tools.pictures.between import film_frames
+from sunder_tools.pictures.frames import BODIES, list_frames
+from sunder_tools.pictures.rigid import turn_of
 from sunder_tools.pictures.story import story_of
+from sunder_tools.report.scene_text import SCENE_COPY
 
 from . import REPOSITORY, test_pc2
 from .synthetic import write_vtp
 from .test_animated import SCENE, Parting
+from .test_view import InAFolder
 
 READ = ("pictures.between", "pictures.frames", "pictures.look", "pictures.story", "report.scene_text")
 ADDON = REPOSITORY / "coupler" / "blender"
@@ -114,6 +119,51 @@ class Blender(Parting):
         self.assertEqual((more["transmission"], more["damage"]), (1.0, [0.0]))
         self.assertGreater(more["gltf"], 3)
         self.assertRegex(refused, "frames.pvd")
+
+
+# Places of the vertices of a body in all frames of a film.
+TURNING = """
+import json, sys
+sys.dont_write_bytecode = True
+sys.path.insert(0, {addon!r})
+import bpy
+import sunder_run
+sunder_run.load({folder!r}, fps=10.0, speed=0.5)
+scene, told = bpy.context.scene, []
+body, = [thing for thing in bpy.data.objects if thing.type == "MESH" and thing.parent and thing.parent.name == "body_7"]
+for frame in range(scene.frame_start, scene.frame_end + 1):
+    scene.frame_set(frame)
+    told.append([list(body.matrix_world @ vertex.co) for vertex in body.data.vertices])
+open({out!r}, "w").write(json.dumps(told))
+"""
+
+
+@unittest.skipUnless(shutil.which("blender"), "Blender is not installed; apt-get install --no-install-recommends blender")
+class Turning(InAFolder):
+    def test_a_body_turns_evenly_between_two_frames(self) -> None:
+        """By two radians: Blender's own straight lines between quaternions would be some hundredths of a radian off."""
+        (self.folder / "frames").mkdir()
+        (self.folder / SCENE_COPY).write_text(SCENE)
+        corners, faces = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]]), np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        listed = ""
+        for k in (0, 1):
+            turn = turn_of(np.array([0, 0, np.sin(k), np.cos(k)]))
+            write_vtp(self.folder / f"frames/bodies_{k}.vtp", corners @ turn.T + k, faces, floats="f8",
+                      cell_data={"body": np.full(4, 7.0), "kind": np.zeros(4)})
+            listed += f'<DataSet timestep="{k}" part="2" file="frames/bodies_{k}.vtp"/>'
+        (self.folder / "frames.pvd").write_text(f"<VTKFile><Collection>{listed}</Collection></VTKFile>")
+        script, out = self.folder / "script.py", self.folder / "told.json"
+        script.write_text(TURNING.format(addon=str(ADDON), folder=str(self.folder), out=str(out)))
+        done = subprocess.run(["blender", "--background", "--factory-startup", "--python-exit-code", "3", "--python", str(script)],
+                              cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-2000:])
+        told, (pictures, _) = json.loads(out.read_text()), film_frames(list_frames(self.folder), 10.0, 0.5)
+        self.assertEqual(len(told), len(pictures))
+        for found, picture in zip(told, pictures):
+            bodies = picture.read(BODIES)
+            assert bodies is not None
+            wanted = bodies.points[bodies.triangles].reshape(-1, 3)
+            np.testing.assert_allclose(np.sort(found, axis=0), np.sort(wanted, axis=0), atol=2e-6)
 
 
 # Corners of what each object shows in each frame, after the script of coupler/README.md has made them.

@@ -131,11 +131,24 @@ class Usda:
         share = (time - before) / (after - before)
         return (1 - share) * np.array(value[before]) + share * np.array(value[after])
 
+    def _turn(self, path: str, time: float) -> np.ndarray:
+        """The unit quaternion of an Xform: evenly between samples, as the format has it."""
+        value = self.prims[path].values.get("xformOp:orient", (1.0, 0.0, 0.0, 0.0))
+        if not isinstance(value, dict):
+            return np.array(value)
+        k = max(sum(t <= time for t in value) - 1, 0)
+        times = sorted(value)
+        a, b = (np.array(value[times[min(at, len(times) - 1)]]) for at in (k, k + 1))
+        angle = np.arccos(min(a @ b, 1.0))
+        if angle < 1e-7 or time <= times[0]:
+            return a
+        share = (time - times[k]) / (times[k + 1] - times[k])
+        return (np.sin((1.0 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(angle)
+
     def seen(self, path: str, time: float) -> dict[str, np.ndarray]:
         """Corners (m, 3, 3) of the visible meshes under an Xform, by the material of their subset."""
         found: dict[str, list[np.ndarray]] = {}
-        q = np.array(self.at(path, "xformOp:orient", time, (1.0, 0.0, 0.0, 0.0)))
-        w, x, y, z = q / np.linalg.norm(q)
+        w, x, y, z = self._turn(path, time)
         turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
                          [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
                          [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])

@@ -24,6 +24,7 @@ SAME_PLACE = 1e-9      # [-] of a shell's size: points at rest that are nearer a
 KEPT = 2                # intervals that keep what they have read
 PASSES = 12            # in which corrections spread to points that the next frame does not have
 RIGID = 1e-6           # [-] of a body's size: what a fit may leave of a rigid body
+CLOSE = 2.0 ** -22     # [-] of a film: two spacings of single precision
 
 
 def _keys(shell: PolyData, size: float) -> np.ndarray:
@@ -204,43 +205,74 @@ class Between(Frame):
         return made(self.share) if made is not None else super().read(part)
 
 
-def resampled(frames: list[Frame], fps: float, speed: float) -> list[Frame]:
-    """Returns a frame for each picture of a film with `fps` pictures a second, in which time runs `speed` times as fast.
-    Raises ValueError where that would be more than MOST_FRAMES."""
-    step = speed / fps
-    whole = (frames[-1].time_s - frames[0].time_s) / step
+def _pictures(frames: list[Frame], rate: float, speed: float) -> int:
+    """Returns the number of pictures of a film after the first. Raises CommandError where there are more than MOST_FRAMES."""
+    whole = (frames[-1].time_s - frames[0].time_s) / (speed / rate)
     if whole >= MOST_FRAMES:
-        raise ValueError(f"{whole:.0f} frames; at most {MOST_FRAMES}")
+        raise CommandError(f"--speed {speed:g} with --fps {rate:g} gives {whole:.0f} frames; at most {MOST_FRAMES}; take a higher "
+                           "--speed", BAD_INPUT)
+    return int(whole + 1e-9)
+
+
+def film_frames(frames: list[Frame], fps: float | None, speed: float | None) -> tuple[list[Frame], np.ndarray]:
+    """Returns a frame for each picture of a film in which time runs `speed` times as fast, and their times in it [s], from 0 on.
+    Raises CommandError.
+
+    Without `speed` the frames are those of the run, each a picture, whatever time lies between them.
+    """
+    rate = fps or FPS
+    if speed is None:
+        return frames, np.arange(len(frames)) / rate
+    first, last = frames[0].time_s, frames[-1].time_s
     out: list[Frame] = []
     k = 0
     intervals = [Interval(a, b) for a, b in zip(frames, frames[1:])]
-    for j in range(int(whole + 1e-9) + 1):
-        time_s = min(frames[0].time_s + j * step, frames[-1].time_s)
+    for j in range(_pictures(frames, rate, speed) + 1):
+        time_s = min(first + j * (speed / rate), last)
         while k + 1 < len(frames) and frames[k + 1].time_s <= time_s * (1 + 1e-12):
             k += 1
         if k + 1 == len(frames):
             out.append(frames[k])
             break
         share = (time_s - frames[k].time_s) / (frames[k + 1].time_s - frames[k].time_s)
-        out.append(frames[k] if share < 1e-9 else Between(time_s, frames[k].files, frames[k].step,
-                                                                  interval=intervals[k], share=share))
-    return out
+        out.append(frames[k] if share < 1e-9 else _between(intervals[k], time_s))
+    return out, (np.array([frame.time_s for frame in out]) - first) / speed
 
 
-def film_frames(frames: list[Frame], fps: float | None, speed: float | None,
-                to_the_end: bool = False) -> tuple[list[Frame], np.ndarray]:
-    """Returns frames, and their times in a film [s] that begins at 0. Raises CommandError.
+def _between(interval: Interval, time_s: float) -> Between:
+    """Returns the frame at a time in an interval."""
+    before = interval.before
+    share = (time_s - before.time_s) / (interval.after.time_s - before.time_s)
+    return Between(time_s, before.files, before.step, interval=interval, share=share)
 
-    Without `speed` the frames are those of the run, each a picture, whatever time lies between them. `to_the_end`: the last
-    frame of the run is there too where no picture is of its time.
+
+def key_frames(frames: list[Frame], fps: float | None, speed: float | None) -> tuple[list[Frame], np.ndarray]:
+    """Returns the frames from which straight lines lead through all pictures of a film, and their times in it [s]. Raises
+    CommandError.
+
+    These are frames of the run, however many pictures there are. Where one picture lies between two of them, it is taken in
+    their place; what lies between two pictures is left out. The first and the last frame are there. Times are apart in single
+    precision, as files have them. Without `speed` it is `film_frames`.
     """
-    rate = fps or FPS
     if speed is None:
-        return frames, np.arange(len(frames)) / rate
-    first, last = frames[0].time_s, frames[-1]
-    try:
-        frames = resampled(frames, rate, speed)
-    except ValueError as error:
-        raise CommandError(f"--speed {speed:g} with --fps {rate:g} gives {error}; take a higher --speed", BAD_INPUT) from None
-    frames += [last] if to_the_end and frames[-1].time_s < last.time_s else []
-    return frames, (np.array([frame.time_s for frame in frames]) - first) / speed
+        return film_frames(frames, fps, None)
+    rate = fps or FPS
+    pictures, step, first = _pictures(frames, rate, speed), speed / rate, frames[0].time_s
+    codes = (np.array([frame.time_s for frame in frames]) - first) / step
+    near = CLOSE * max(float(codes[-1]), 1.0)
+    kept = [k for k in range(len(frames)) if k + 1 == len(frames) or codes[k + 1] - codes[k] > near]
+    codes = np.where(np.abs(codes - np.rint(codes)) < near, np.rint(codes), codes)  # a frame is the picture of its time
+    found: dict[float, Frame] = {}
+    for a, b in zip(kept, kept[1:]):
+        begin, end = int(np.floor(codes[a])) + 1, min(int(np.ceil(codes[b])) - 1, pictures)
+        if end > begin:
+            found[float(codes[a])], found[float(codes[b])] = frames[a], frames[b]
+        elif end == begin:
+            found[float(begin)] = _between(Interval(frames[a], frames[b]), first + begin * step)
+        for k in (a, b):
+            if codes[k] == np.rint(codes[k]):
+                found[float(codes[k])] = frames[k]
+    found.setdefault(float(codes[kept[0]]), frames[kept[0]])
+    found.setdefault(float(codes[kept[-1]]), frames[kept[-1]])
+    at = sorted(found)
+    return [found[code] for code in at], np.array(at) / rate

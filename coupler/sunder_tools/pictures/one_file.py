@@ -8,7 +8,7 @@ import numpy as np
 from ..errors import BAD_INPUT, DONE, CommandError
 from ..report.scene_text import known_words
 from .animated import animated_glb
-from .between import FPS, MOST_FRAMES, film_frames
+from .between import FPS, MOST_FRAMES, film_frames, key_frames
 from .look import origins
 from .pc2 import write_caches
 from .render import frames_of, pick, put_in_place, telling
@@ -26,7 +26,7 @@ def export_one(folder: Path, kind: str, target: Path, spec: str | None, fps: flo
     frames = frames_of(folder, "export")
     if spec is not None:
         frames = [frames[k] for k in pick(spec, len(frames))]
-    frames, times = film_frames(frames, fps, speed, to_the_end=kind != CACHES)
+    frames, times = (film_frames if kind == CACHES else key_frames)(frames, fps, speed)
     words = known_words(folder, "export")
     with telling(target):
         target.parent.mkdir(parents=True, exist_ok=True)

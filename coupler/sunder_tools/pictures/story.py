@@ -6,7 +6,7 @@ another one begins with the next frame. Up to that frame the old one goes on, to
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Iterator
 
 import numpy as np
@@ -152,6 +152,7 @@ class Story:
         self._open: dict[Key, Shape] = {}
         self._rigid: dict[Key, _Rigid] = {}
         self._before: _Sheets | None = None
+        self._soft_before: tuple[float, PolyData] | None = None
         self._size = 0.0
 
     @property
@@ -171,7 +172,7 @@ class Story:
             self._move(k, body)
         seen = {*now.pieces, *(body.key for body in moving)}
         if soft is not None and len(soft.points):
-            seen |= self._soften(k, soft)
+            seen |= self._soften(k, frame.time_s, soft)
         for key in [key for key in self._open if key not in seen]:
             del self._open[key]
         self._before = now
@@ -285,37 +286,66 @@ class Story:
         thing.shapes.append(shape)
         self._open[key] = shape
 
-    def _soften(self, k: int, soft: PolyData) -> set[Key]:
+    def _soften(self, k: int, time_s: float, soft: PolyData) -> set[Key]:
         """Adds a frame of all soft bodies, and returns which they are."""
-        seen: set[Key] = set()
-        points, triangles, particle, _ = balls(soft)
-        velocity = np.zeros_like(points)
-        velocity[triangles.ravel()] = np.repeat(soft.point_data["velocity"][particle], 3, axis=0)
-        body = soft.point_data["soft_body"][particle].astype(int)
-        for one in np.unique(body):
-            key, mine = ("soft", int(one)), triangles[body == one]
+        now, before = _soft_bodies(soft), self._soft_before
+        ending = [key for key, body in now.items() if key in self._open and (
+            self._open[key].state != body.state or len(self._open[key].points) > self._most_steps)]
+        # balls that are at the surface no more go on with their particles
+        arriving = (_soft_bodies(soft, before[1].point_data["surface"]) if before is not None and ending
+                    and len(before[1].points) == len(soft.points) else {})
+        for key, body in now.items():
             thing = self._thing(key, -1)
-            used, local = np.unique(mine, return_inverse=True)
-            local, at = local.reshape(-1, 3), points[used]
-            centre = at.mean(axis=0)
+            shape, centre, drift = self._open.get(key), body.points.mean(axis=0), body.velocity.mean(axis=0)
             thing.place(k, centre)
-            shape, normals = self._open.get(key), vertex_normals(at, local)
-            state = (particle[body == one].tobytes(),)
-            if shape is not None and shape.state == state and len(shape.points) <= self._most_steps:
-                shape.points.append(at - centre)
-                shape.normals.append(normals)
-                shape.last = k
-            else:
-                name = f"soft_{one}"
-                shape = Shape([Slot(name, tuple(RUBBER[one % len(RUBBER)]), 0, len(at), local)], k, k, [at - centre], [normals],
-                              np.full((len(at), 3), np.nan), np.full(len(at), np.nan), np.full((len(at), 2), np.nan), state=state)
+            if key in ending:
+                shape = self._open.pop(key)
+                old = arriving.get(key)
+                if old is not None and old.state == shape.state and before is not None:
+                    seconds = time_s - before[0]
+                    way = old.points - centre - shape.points[-1]
+                    shape.velocity.append(way / seconds if seconds > 0.0 else shape.velocity[-1])
+                    shape.drift.append((centre - thing.centre[-2]) / seconds if seconds > 0.0 else shape.drift[-1])
+                    shape.points.append(old.points - centre)
+                    shape.normals.append(vertex_normals(old.points, old.triangles))
+                shape = None
+            if shape is None:
+                count = len(body.points)
+                slot = Slot(thing.name, tuple(RUBBER[key[1] % len(RUBBER)]), 0, count, body.triangles)
+                shape = Shape([slot], k, k, [], [], np.full((count, 3), np.nan), np.full(count, np.nan), np.full((count, 2), np.nan),
+                              state=body.state)
                 thing.shapes.append(shape)
                 self._open[key] = shape
-            moving = velocity[used]
-            shape.drift.append(moving.mean(axis=0))
-            shape.velocity.append(moving - shape.drift[-1])
-            seen.add(key)
-        return seen
+            shape.points.append(body.points - centre)
+            shape.normals.append(vertex_normals(body.points, body.triangles))
+            shape.last = k
+            shape.drift.append(drift)
+            shape.velocity.append(body.velocity - drift)
+        self._soft_before = time_s, soft
+        return set(now)
+
+
+@dataclass
+class _Soft:
+    """Balls of a soft body: points (n, 3) [m], triangles (m, 3) from them, velocities (n, 3) [m/s], and which particles."""
+    points: np.ndarray
+    triangles: np.ndarray
+    velocity: np.ndarray
+    state: tuple[object, ...]
+
+
+def _soft_bodies(soft: PolyData, surface: np.ndarray | None = None) -> dict[Key, _Soft]:
+    """Returns each soft body of a frame; `surface` says which particles are seen, by default those at the surface now."""
+    if surface is not None:
+        soft = replace(soft, point_data=soft.point_data | {"surface": surface})
+    points, triangles, particle, _ = balls(soft)
+    velocity = np.zeros_like(points)
+    velocity[triangles.ravel()] = np.repeat(soft.point_data["velocity"][particle], 3, axis=0)
+    body, found = soft.point_data["soft_body"][particle].astype(int), {}
+    for one in np.unique(body):
+        used, local = np.unique(triangles[body == one], return_inverse=True)
+        found["soft", int(one)] = _Soft(points[used], local.reshape(-1, 3), velocity[used], (particle[body == one].tobytes(),))
+    return found
 
 
 def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
