@@ -58,7 +58,7 @@ def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = Fals
     scene = bpy.context.scene
     scene.render.fps, scene.render.fps_base = max(round(fps), 1), max(round(fps), 1) / fps
     scene.frame_start, scene.frame_end = 0, int(np.ceil(times[-1] * fps - 1e-6))
-    top = bpy.data.collections.new(run.resolve().name)
+    top = bpy.data.collections.new(_name_of_run(run.resolve().name, {thing.group for thing in things}))
     scene.collection.children.link(top)
     groups: dict[str, Any] = {"": top}
     found = []
@@ -70,6 +70,14 @@ def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = Fals
     _add_cracks(frames, times * fps, words.shells, groups, top)
     scene.frame_set(0)
     return found
+
+
+def _name_of_run(folder: str, shells: set[str]) -> str:
+    """Returns the name of a run's collection: that of its folder, and of no shell, which Blender would number."""
+    name = folder
+    while name in shells:
+        name += "_run"
+    return name
 
 
 def _add_thing(thing: Any, collection: Any, at: np.ndarray) -> Any:

@@ -75,6 +75,20 @@ open({out!r}, "w").write(json.dumps(told))
 """
 
 
+# The collections of an import, and those in each.
+NAMES = """
+import json, sys
+sys.dont_write_bytecode = True
+sys.path.insert(0, {addon!r})
+import bpy
+import sunder_run
+there = set(bpy.data.collections)
+sunder_run.load({folder!r})
+told = {{c.name: [child.name for child in c.children] for c in bpy.data.collections if c not in there}}
+open({out!r}, "w").write(json.dumps(told))
+"""
+
+
 @unittest.skipUnless(shutil.which("blender"), "Blender is not installed; apt-get install --no-install-recommends blender")
 class Blender(Parting):
     def setUp(self) -> None:
@@ -119,6 +133,18 @@ class Blender(Parting):
         self.assertEqual((more["transmission"], more["damage"]), (1.0, [0.0]))
         self.assertGreater(more["gltf"], 3)
         self.assertRegex(refused, "frames.pvd")
+
+
+    def test_a_folder_with_the_name_of_a_shell(self) -> None:
+        script, out, run = self.folder / "script.py", self.folder / "told.json", self.folder / "pane"
+        run.mkdir()
+        for name in ("frames", "frames.pvd", "scene.textproto", "command.json"):
+            (run / name).symlink_to(self.folder / name)
+        script.write_text(NAMES.format(addon=str(ADDON), folder=str(run), out=str(out)))
+        done = subprocess.run(["blender", "--background", "--factory-startup", "--python-exit-code", "3", "--python", str(script)],
+                              cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-2000:])
+        self.assertEqual(json.loads(out.read_text()), {"pane_run": ["pane"], "pane": []})
 
 
 # Places of the vertices of a body in all frames of a film.
