@@ -79,7 +79,14 @@ class Pictures(unittest.TestCase):
             ("shell_3", UNKNOWN[3])])
         self.assertEqual(material_of_shards(-1, words), ("bowl_porcelain", PORCELAIN.colour))
         self.assertEqual([material_of_body(k, words) for k in (1, 2, 3, 4)], [
-            ("hull", STEEL.colour), ("body", STEEL.colour), ("stuff", UNKNOWN[4]), ("body", STEEL.colour)])
+            ("hull", STEEL.colour), ("post", STEEL.colour), ("stuff", UNKNOWN[4]), ("body_4", STEEL.colour)])
+
+    def test_a_body_without_a_material_takes_no_material_s_name(self) -> None:
+        words = words_of(parse_text("""materials { name: "glass" density: 2500 } materials { name: "plate" density: 900 }
+            shells { name: "pane" material: "glass" } bodies { name: "glass" } bodies { name: "glass_edge" } bodies { name: "plate" }
+            bodies { name: "block" material: "plate" } bodies { name: "floor" }"""), [])
+        self.assertEqual([material_of_body(k, words)[0] for k in range(1, 6)],
+                         ["glass_body", "glass_edge_body", "plate_body", "plate", "floor"])
 
     def test_the_page_is_told_the_same_colours(self) -> None:
         with tempfile.TemporaryDirectory() as name:

@@ -78,7 +78,7 @@ class Frozen(InAFolder):
         for slot in frozen.slots:
             x = frozen.rest[slot.first:slot.first + slot.count, 0]
             self.assertEqual((x.min(), x.max()), (0.0, 1.0) if slot.material.startswith("plastic") else (1.0, 2.0))
-        self.assertEqual([slot.material for slot in box.shapes[0].slots], ["body"])
+        self.assertEqual([slot.material for slot in box.shapes[0].slots], [box.name])
 
     def test_pictures_know_the_glass_and_draw_no_line_along_the_seam(self) -> None:
         look = Look.of_words(self.words)

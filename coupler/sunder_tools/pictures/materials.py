@@ -38,9 +38,17 @@ def material_of_shards(part: int, words: Words) -> Named:
 
 
 def material_of_body(number: int, words: Words) -> Named:
-    """The same for a body of the scene, by its number; steel where the scene names no material."""
+    """The same for a body of the scene, by its number. Where the scene names no material it is steel, with the name of the body;
+    `_body` is added to one that a material has."""
     name = words.body_materials[number - 1] if 0 < number <= len(words.bodies) else ""
-    return name or "body", colour_of(dict(words.appearances).get(name, STEEL))
+    if name:
+        return name, colour_of(dict(words.appearances).get(name, STEEL))
+    name = name_of_body(number, words)
+    taken = {slot_name(material, side) for material in (*words.materials, *words.body_materials, *dict(words.appearances))
+             for side in (*SIDE_NAMES, OTHER)}
+    while name in taken:
+        name += "_body"
+    return name, colour_of(STEEL)
 
 
 def name_of_body(number: int, words: Words) -> str:
