@@ -5,10 +5,15 @@ import unittest
 
 import numpy as np
 
+from sunder_lab.scene import Results
+from sunder_lab.tracks import tracks
 from sunder_tools.pictures.meshes import _shaded_shards, lines_in_place
 from sunder_tools.pictures.rigid import centre_of, centre_of_mass
 from sunder_tools.pictures.thick import sheet_points, sheet_topology
 from sunder_tools.pictures.vtp import PolyData
+
+from .synthetic import write_vtp
+from .test_view import InAFolder
 
 
 def arc(angle: float, parts: int = 24, radius: float = 0.05, thickness: float = 0.004) -> tuple[np.ndarray, np.ndarray]:
@@ -50,6 +55,28 @@ class Shards(unittest.TestCase):
         self.assertGreater(centre_of(points, triangles)[2] - centre_of_mass(points, triangles)[2], 1e-5)  # h^2 / (12 R)
         flat, faces = points * np.array([1.0, 1.0, 0.0]), triangles  # without inside: the mean of its points
         self.assertTrue(np.isfinite(centre_of_mass(flat, faces)).all())
+
+
+class Tracks(InAFolder):
+    def test_a_track_is_at_the_centre_of_mass(self) -> None:
+        """As shards.csv has it, whichever body stands first in the frame; the floor is no piece."""
+        points, triangles = arc(1.5)
+        floor, square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]), np.array([[0, 1, 2], [0, 2, 3]])
+        (self.folder / "frames").mkdir()
+        (self.folder / "run.json").write_text('{"schema": 2, "status": "done"}')
+        bodies = [(7, 1, points + [0.3, 0, 0], triangles), (1, 2, floor, square), (9, 3, points + [0.6, 0, 0], triangles)]
+        start = np.cumsum([0, *(len(p) for _, _, p, _ in bodies)])
+        write_vtp(self.folder / "frames/bodies.vtp", np.concatenate([p for _, _, p, _ in bodies]),
+                  np.concatenate([t + at for (_, _, _, t), at in zip(bodies, start)]), floats="f8", cell_data={
+                      name: np.concatenate([np.full(len(body[3]), float(body[k])) for body in bodies]) for k, name in enumerate(("body", "kind"))})
+        (self.folder / "frames.pvd").write_text(
+            '<VTKFile><Collection><DataSet timestep="0.5" part="2" file="frames/bodies.vtp"/></Collection></VTKFile>')
+        found = tracks(Results(self.folder))
+        self.assertEqual(set(found), {7, 9})
+        for one, x in ((7, 0.3), (9, 0.6)):
+            self.assertEqual((found[one].time, len(found[one].area)), ([0.5], 1))
+            np.testing.assert_allclose(found[one].centre[0], centre_of_mass(points, triangles) + [x, 0, 0], atol=1e-12)
+            self.assertGreater(np.linalg.norm(found[one].centre[0] - centre_of(points, triangles) - [x, 0, 0]), 1e-5)
 
 
 class Lines(unittest.TestCase):
