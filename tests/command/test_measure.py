@@ -14,7 +14,7 @@ from sunder_tools import errors
 from sunder_tools.launch import build
 from sunder_tools.pictures.plots import there
 from sunder_tools.places import BUILD_DIR_VARIABLE
-from tests.validation import experiments, measure
+from tests.validation import experiments, measure, results, trials
 
 from . import sunder
 from .fakes import write_executables
@@ -81,8 +81,10 @@ class Measuring(unittest.TestCase):
         self.program("sunder-validate", "assert sys.argv[1:] == ['--list']\n"
                      "print('shells:\\n  roof    a roof\\n  beam    and more\\nsoft:\\n  ball    one\\nsoft, by name:\\n  long    other')")
         bounce = experiments.Experiment("bounce", "a ball", lambda table, executables: None)
-        with mock.patch.dict(experiments.EXPERIMENTS, {"shells": (bounce,), "soft": ()}):
+        afar = experiments.Experiment("afar", "fetched", lambda table, executables: None, by_name=True)
+        with mock.patch.dict(experiments.EXPERIMENTS, {"shells": (bounce, afar), "soft": ()}):
             self.assertEqual(measure.case_names("shells"), ("roof", "beam", "bounce"))
+            self.assertEqual(measure.cases_by_name("shells"), ("afar",))
             self.assertEqual(measure.case_names("soft"), ("ball",))
             self.assertEqual(measure.cases_by_name("soft"), ("long",))
             self.assertEqual(measure.case_names("engines"), ())
@@ -126,6 +128,23 @@ class Measuring(unittest.TestCase):
             self.assertEqual([(row["name"], row["pass"]) for row in rows],
                              [("a", True), ("bounce_1", True), ("gone", False)])
             self.assertIsNone(rows[2]["computed"])
+
+    def test_a_case_by_name_runs_only_so_and_what_it_lacks_skips_it(self) -> None:
+        def lacks(table: experiments.Table, executables: build.Executables) -> None:
+            del table, executables
+            raise trials.Missing("needs the archive")
+
+        runs = {"shells": (experiments.Experiment("afar", "fetched", lacks, by_name=True),)}
+        table = self.folder / "table.json"
+        self.validator(0)
+        with mock.patch.dict(experiments.EXPERIMENTS, runs):
+            self.assertEqual(sunder(["validate", "shells", "--json", str(table)]), 0)
+            self.assertEqual([row["name"] for row in json.loads(table.read_text())["cases"]], ["a"])
+            for known in ([], ["--known"]):
+                self.assertEqual(sunder(["validate", "shells", "--case", "afar", "--json", str(table), *known]), 0)
+                found = results.result_of("shells", json.loads(table.read_text()), 1.0, {})
+                self.assertEqual(found.in_words(), "1 skipped")
+                self.assertEqual(found.rows[0]["note"], "needs the archive")
 
     def test_zeners_equation_has_the_published_answers(self) -> None:
         for inelasticity, known in ((0.1, 0.8433), (0.5, 0.4369), (1.0, 0.1841)):

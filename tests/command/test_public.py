@@ -1,7 +1,9 @@
 """Public files of `validate surfaces`: what is said of them, and of a machine without their packages."""
 from __future__ import annotations
 
+import contextlib
 import gzip
+import io
 import os
 import tarfile
 import tempfile
@@ -10,7 +12,10 @@ from pathlib import Path
 from unittest import mock
 
 from sunder_tools.errors import CommandError
-from tests.validation.public_files import ARCHIVE, FILES, PublicFile, copied, fetched, taken_in_words
+from tests.validation import experiments, public_files
+from tests.validation.known import holds, judge
+from tests.validation.public_files import ARCHIVE, FILES, NO_CAD, PublicFile, copied, fetched, inspected, taken_in_words
+from tests.validation.trials import Missing
 
 FILE = PublicFile("part", "tools-doc", "usr/part.step.gz", 3)
 
@@ -65,9 +70,36 @@ class Public(unittest.TestCase):
             with self.assertRaisesRegex(CommandError, "has no .*b.off"):
                 copied(missing, self.top, self.top)
 
-    def test_names_are_told_apart(self) -> None:
-        self.assertEqual(len({file.name for file in FILES}), len(FILES))
-        self.assertGreaterEqual(sum(file.taken > 0 for file in FILES), 10)
+    def test_is_skipped_without_the_package_manager_and_package_by_package_without_the_archive(self) -> None:
+        def rows() -> list[dict[str, object]]:
+            table = experiments.Table(headed=True)
+            with contextlib.redirect_stdout(io.StringIO()), mock.patch.object(experiments, "ensure_built"), \
+                    mock.patch.object(public_files, "ensure_built"):
+                experiments.run_experiments(tuple(e for e in experiments.EXPERIMENTS["surfaces"] if e.name == "public"), table)
+            self.assertTrue(all(holds(row) for row in table.rows))
+            self.assertEqual(judge(table.rows, {}, every=False), (True, []))
+            return table.rows
+
+        with mock.patch.dict(os.environ, PATH=str(self.top / "none")):
+            self.assertEqual([(row["name"], row["verdict"]) for row in rows()], [("public", "skipped")])
+        self.program("apt-get", "echo 'E: no route'; exit 100\n")
+        self.program("dpkg", "exit 0\n")
+        with mock.patch.dict(os.environ, PATH=str(self.top / "bin")):
+            found = rows()
+        self.assertEqual([row["name"] for row in found], [f"public_{file.name}" for file in FILES])
+        for row in found:
+            self.assertIn("E: no route", str(row["note"]))
+        self.program("apt-get", "exit 0\n")  # and leaves nothing
+        with mock.patch.dict(os.environ, PATH=str(self.top / "bin")):
+            self.assertIn("left no gmsh-doc_*.deb", str(rows()[0]["note"]))
+
+    def test_what_is_refused_fails_and_a_build_without_cad_skips(self) -> None:
+        for said, error, kind in ((NO_CAD, Missing, "public: "), ("has no faces", CommandError, "refused: ")):
+            self.program("shell", f"echo 'bad_input: {said}' >&2; exit 2\n")
+            shell = mock.Mock(shell=self.top / "bin" / "shell")
+            with self.assertRaisesRegex(CommandError, kind + "bad_input: " + said) as told:
+                inspected(shell, self.top / "part.step", FILE, self.top / "frame")
+            self.assertIs(type(told.exception), error)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from sunder_tools.errors import CommandError
 from sunder_tools.launch.build import Executables, ensure_built
 from sunder_tools.report.run_json import read_run
 
-from .trials import MOST_INJECTED, Table, injected, kept_run, run_scene
+from .trials import MOST_INJECTED, Missing, Table, injected, kept_run, run_scene
 
 
 def zener(inelasticity: float, step: float = 1e-4) -> float:
@@ -168,6 +168,7 @@ class Experiment:
     name: str
     what: str
     run: Callable[[Table, Executables], None]
+    by_name: bool = False  # runs only where it is named
 
 
 def _later(module: str, name: str) -> Callable[[Table, Executables], None]:
@@ -227,12 +228,13 @@ EXPERIMENTS = {"shells": (
     Experiment("trim_piece", "a piece over such a tie leaves as one body", _later("trim_runs", "trim_piece")),
 ), "surfaces": (
     Experiment("public", "CAD files and meshes that others published, fetched from Debian's archive, which it needs",
-               _later("public_files", "public_files")),
+               _later("public_files", "public_files"), by_name=True),
 )}
 
 
 def run_experiments(chosen: tuple[Experiment, ...], table: Table) -> None:
-    """Runs the cases one after the other. A case that raises becomes a failed row."""
+    """Runs the cases one after the other. A case that raises becomes a failed row, and a skipped one where it lacks what
+    it needs."""
     if not chosen:
         return
     executables = ensure_built()
@@ -242,6 +244,8 @@ def run_experiments(chosen: tuple[Experiment, ...], table: Table) -> None:
         before = len(table.lines)
         try:
             experiment.run(table, executables)
+        except Missing as missing:
+            table.skip(experiment.name, str(missing))
         except (CommandError, OSError, KeyError, ValueError, IndexError, json.JSONDecodeError) as error:
             table.add(experiment.name, math.nan, 0.0, 0.0, 0.0)
             table.lines.append(f"{experiment.name}: {error}")

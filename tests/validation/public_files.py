@@ -1,13 +1,14 @@
 """CAD files and meshes that others have published: each becomes shells, rests without strain, and is struck.
 
 The files are in packages of Debian's archive and are fetched for the run; none is a part of this repository. So the case
-needs `apt-get`, `dpkg` and the archive.
+needs `apt-get`, `dpkg` and the archive, and is skipped without them; files of a package that cannot be had are skipped alone.
 """
 from __future__ import annotations
 
 import gzip
 import json
 import math
+import shutil
 import subprocess
 import tarfile
 import tempfile
@@ -25,9 +26,10 @@ from sunder_tools.pictures.vtp import read_vtp
 from sunder_tools.report.columns import read_columns
 from sunder_tools.words import command_line
 
-from .trials import MOST_MISSING, Table
+from .trials import MOST_MISSING, Missing, Table
 
 ARCHIVE = {"libcgal-demo": "usr/share/doc/libcgal-dev/data.tar.gz"}  # packages whose files are in an archive of their own
+NO_CAD = "this build has no OpenCASCADE"  # says shell/io/cad_file.cpp
 STEPS_OF_A_WINDOW = 20
 RESTS, NEAR = 3, 3  # windows in which the part rests; more until the ball touches, which is felt somewhat before
 CROSSINGS = 3.0  # time of the run, in times that a wave takes over the diagonal
@@ -54,9 +56,7 @@ class PublicFile:
     package: str
     path: str              # in the package, or in its archive
     taken: int             # faces of a CAD file; charts of a mesh
-    element: float = 0.0   # share of the diagonal; 0: what `inspect` takes
     unit: float = 0.0      # [m] of a mesh
-    more: str = ""         # fields of the cad or mesh message
     tolerance: float = 1e-6  # of area and mass
     seams: str = "seams {}"
 
@@ -87,40 +87,63 @@ FILES = (
 
 def public_files(table: Table, executables: Executables) -> None:
     """Fetches the packages, and takes each file as shells: area and mass, rest, a strike."""
+    need_package_manager()
     executables = ensure_built(cad=True)
     with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
-        packages: dict[str, Path] = {}
+        packages: dict[str, Path | Missing] = {}
         for file in FILES:
-            if file.package not in packages:
-                packages[file.package] = fetched(file.package, Path(folder))
             own = Path(folder) / file.name
             own.mkdir()
             try:
-                take(table, executables, file, copied(file, packages[file.package], own), own)
+                if file.package not in packages:
+                    packages[file.package] = _tried(file.package, Path(folder))
+                package = packages[file.package]
+                if isinstance(package, Missing):
+                    raise package
+                take(table, executables, file, copied(file, package, own), own)
+            except Missing as missing:
+                table.skip(f"public_{file.name}", str(missing))
             except (CommandError, KeyError, ValueError) as error:
                 table.add(f"public_{file.name}", math.nan, 0.0, 0.0, 0.0, note=str(error))
 
 
+def _tried(package: str, folder: Path) -> Path | Missing:
+    try:
+        return fetched(package, folder)
+    except Missing as missing:
+        return missing
+
+
+def need_package_manager() -> None:
+    """Raises Missing where this machine has none of Debian's."""
+    lacks = [name for name in ("apt-get", "dpkg") if shutil.which(name) is None]
+    if lacks:
+        raise Missing(f"public: needs Debian's package manager, and this machine has no {' and no '.join(lacks)}")
+
+
 def fetched(package: str, folder: Path) -> Path:
-    """Downloads a package and unpacks it without installing it. Returns its folder. Raises CommandError."""
+    """Downloads a package and unpacks it without installing it. Returns its folder. Raises Missing."""
     out = folder / package
     (folder / "deb").mkdir(exist_ok=True)
-    for command in (["apt-get", "download", package], ["dpkg", "-x", f"{package}_*.deb", str(out)]):
+    for command in (["apt-get", "download", package], ["dpkg", "-x", "", str(out)]):
         if command[0] == "dpkg":
-            command[2] = str(next((folder / "deb").glob(command[2])))
+            found = next((folder / "deb").glob(f"{package}_*.deb"), None)
+            if found is None:
+                raise Missing(f"public: 'apt-get download {package}' ended well and left no {package}_*.deb")
+            command[2] = str(found)
         try:
             ended = subprocess.run(command, cwd=folder / "deb", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                    errors="replace", check=False)
         except OSError as error:
-            raise CommandError(f"public: needs Debian's package manager: {error}") from None
+            raise Missing(f"public: needs Debian's package manager: {error}") from None
         if ended.returncode != 0:
-            raise CommandError(f"public: needs Debian's archive, and {command_line(command)} failed; run 'apt-get update' and "
-                               f"try again: {ended.stdout.strip()[-300:]}")
+            raise Missing(f"public: needs Debian's archive, and {command_line(command)} failed; run 'apt-get update' and "
+                          f"try again: {ended.stdout.strip()[-300:]}")
     return out
 
 
 def copied(file: PublicFile, package: Path, folder: Path) -> Path:
-    """Copies a file out of its package, uncompressed. Raises CommandError where it is not there."""
+    """Copies a file out of its package, uncompressed. Raises Missing where it is not there, as in another release."""
     name = Path(file.path).name.removesuffix(".gz")
     try:
         if file.package in ARCHIVE:
@@ -130,7 +153,7 @@ def copied(file: PublicFile, package: Path, folder: Path) -> Path:
         else:
             content = (package / file.path).read_bytes()
     except (OSError, KeyError) as error:
-        raise CommandError(f"public: the package {file.package} has no {file.path}: {error}") from None
+        raise Missing(f"public: the package {file.package} has no {file.path}: {error}") from None
     (folder / name).write_bytes(gzip.decompress(content) if file.path.endswith(".gz") else content)
     return folder / name
 
@@ -138,10 +161,7 @@ def copied(file: PublicFile, package: Path, folder: Path) -> Path:
 def take(table: Table, executables: Executables, file: PublicFile, path: Path, folder: Path) -> None:
     """Adds the rows of a file: what is taken, area, mass, strain at rest, energy of a strike."""
     start = time.monotonic()
-    first = inspected(executables, path, file, None, folder / "frame")
-    told = first
-    if file.element:
-        told = inspected(executables, path, file, file.element * float(np.linalg.norm(first["size_m"])), folder / "frame")
+    told = inspected(executables, path, file, folder / "frame")
     name = f"public_{file.name}"
     mesh = "charts" in told
     faces = told["charts"] if mesh else [face for face in told["faces"] if face["face"] in told["taken"]]
@@ -152,7 +172,7 @@ def take(table: Table, executables: Executables, file: PublicFile, path: Path, f
     table.add(f"{name}_area", mass, given, file.tolerance, 0.0,
               note="of the shells' masses, against " + ("the triangles" if mesh else "OpenCASCADE"))
     start = time.monotonic()
-    scene, rests = written(folder, path, file, told, faces)
+    scene = written(folder, path, file, told, faces)
     out = folder / "out"
     out.mkdir()
     run = launch_once(executables, scene, out, [])
@@ -160,7 +180,7 @@ def take(table: Table, executables: Executables, file: PublicFile, path: Path, f
     series = read_columns(out / "series.csv")
     # a strain of e everywhere has at least E e^2/2 of energy in each volume
     volume = told["thickness_m"] * mass
-    strain = max(math.sqrt(max(0.0, 2.0 * energy / (YOUNG * volume))) for energy in series["elastic [J]"][:rests])
+    strain = max(math.sqrt(max(0.0, 2.0 * energy / (YOUNG * volume))) for energy in series["elastic [J]"][:RESTS])
     table.add(f"{name}_rest_strain", strain, 0.0, 1e-12, 0.0)
     energy, counts, cracks = run["energy"], run["counts"], series["cracks [m]"][-1]
     assert isinstance(energy, dict) and isinstance(counts, dict)
@@ -170,14 +190,16 @@ def take(table: Table, executables: Executables, file: PublicFile, path: Path, f
               note=f"struck at {SPEED:g} m/s: {broken}, {cracks:.3g} m of cracks" if touched else "the ball missed it")
 
 
-def inspected(executables: Executables, path: Path, file: PublicFile, element: float | None, frame: Path) -> dict[str, Any]:
-    """What `sunder inspect` tells of a file, with a frame of its shells. Raises CommandError."""
+def inspected(executables: Executables, path: Path, file: PublicFile, frame: Path) -> dict[str, Any]:
+    """What `sunder inspect` tells of a file, with a frame of its shells. Raises CommandError, and Missing where the build
+    reads no such files."""
     frame.mkdir(exist_ok=True)
     command = [str(executables.shell), "inspect", str(path), "--frame", str(frame)]
-    for option, value in (("--element", element), ("--unit", file.unit or None)):
-        command += [option, repr(value)] if value is not None else []
+    command += ["--unit", repr(file.unit)] if file.unit else []
     ended = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace", check=False)
     if ended.returncode != 0:
+        if NO_CAD in ended.stderr:
+            raise Missing(f"public: {ended.stderr.strip()[-300:]}")
         raise CommandError(f"refused: {ended.stderr.strip()[-300:]}")
     told: dict[str, Any] = json.loads(ended.stdout)
     return told
@@ -205,9 +227,9 @@ def taken_in_words(told: dict[str, Any], file: PublicFile) -> str:
     return "; ".join(words)
 
 
-def written(folder: Path, path: Path, file: PublicFile, told: dict[str, Any], faces: list[dict[str, Any]]) -> tuple[Path, int]:
-    """Writes a scene of the part without gravity and a ball as heavy as the part, which falls on its highest place.
-    Returns it with the number of windows in which nothing touches the part."""
+def written(folder: Path, path: Path, file: PublicFile, told: dict[str, Any], faces: list[dict[str, Any]]) -> Path:
+    """Writes a scene of the part without gravity and a ball as heavy as the part, which falls on its highest place. In the
+    first RESTS windows nothing touches the part."""
     frames = sorted((folder / "frame").rglob("shell_*.vtp"))  # none where the borders of faces have gaps
     points = np.concatenate([read_vtp(one).points for one in frames] or [edge["points_m"] for edge in told["edges"]["list"]])
     top = points[np.argmax(points[:, 2])]
@@ -218,7 +240,7 @@ def written(folder: Path, path: Path, file: PublicFile, told: dict[str, Any], fa
     at = top + np.array([0.0, 0.0, radius + 0.5 * thickness + (RESTS + NEAR) * window * SPEED])
     end = (RESTS + NEAR + math.ceil(CROSSINGS * diagonal / math.sqrt(YOUNG / DENSITY) / window)) * window
     mesh = "charts" in told
-    more = file.more + (f" unit_m: {file.unit!r}" if file.unit else "")
+    more = f" unit_m: {file.unit!r}" if file.unit else ""
     if not mesh and len(told["taken"]) < len(told["faces"]):
         more += "".join(f" faces: {face}" for face in told["taken"])
     scene = folder / "scene.textproto"
@@ -226,4 +248,4 @@ def written(folder: Path, path: Path, file: PublicFile, told: dict[str, Any], fa
         name=file.name, end=end, window=window, density=DENSITY, young=YOUNG, thickness=thickness, kind="mesh" if mesh else "cad",
         path=json.dumps(path.name), element=told["element_m"], more=more, radius=radius, at=[float(x) for x in at], speed=-SPEED,
         heavy=mass / (4.0 / 3.0 * math.pi * radius ** 3), seams=file.seams))
-    return scene, RESTS
+    return scene

@@ -17,10 +17,16 @@ from sunder_tools.launch.run import launch_once
 from sunder_tools.places import REPOSITORY
 from sunder_tools.report.run_json import read_run
 
+from .known import SKIPPED
+
 SCENES = REPOSITORY / "scenes"
 MOST_INJECTED = 0.01  # share of the fracture energy that insertions of edges may add
 MOST_MISSING = 0.01  # share of the largest energy that no book has; a run warns at twice that
 ROUND_OFF = 1e-12  # of impulses and of what pieces carry: sums of 10^4 terms
+
+
+class Missing(CommandError):
+    """What a case needs is not on this machine: the case is skipped."""
 
 
 @dataclass
@@ -42,6 +48,12 @@ class Table:
                           "tolerance": tolerance, "pass": good, "seconds": round(seconds, 3)} | ({"note": note} if note else {}))
         print(f"{name:<34} {computed:>13.6g} {reference:>13.6g} {error:>10.2e} {tolerance:>9.1e} {seconds:>8.1f}  "
               f"{'ok' if good else 'FAILED'}" + (f"\n  {note}" if note else ""), flush=True)
+
+    def skip(self, name: str, why: str) -> None:
+        """Adds a row without numbers, which neither passes nor fails, and prints it at once."""
+        self.rows.append({"name": name, "computed": math.nan, "reference": math.nan, "error": math.nan, "tolerance": math.nan,
+                          "pass": False, "verdict": SKIPPED, "seconds": 0.0, "note": why})
+        print(f"{name:<34} {SKIPPED}\n  {why}", flush=True)
 
 
 def run_scene(executables: Executables, scene: str, settings: list[str]) -> tuple[dict, list[list[str]], float]:
