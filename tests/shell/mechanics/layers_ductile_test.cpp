@@ -311,6 +311,63 @@ TEST(DuctileLayers, BooksWhatACutThroughThemChanges) {
   }
 }
 
+// A bar is torn, pulled to ten times its length, pressed across until it flows, and let go. Torn it bears nothing
+// along, however far it is stretched: it stores G_f / l, which it gives back with healing and has lost without. The
+// flow across takes the yield stress times its strain. It is a strain of the bar as it is, so that it changes the
+// plastic metric along by a multiple of itself.
+TEST(DuctileLayers, ATornBarStoresWhatTearingTookHoweverFarItIsStretchedAndFlows) {
+  constexpr double kYieldStress = 1.5 * kStrength, kPressed = 0.05;  // [Pa], logarithmic strain across
+  for (const bool gathered : {false, true})
+    for (const bool heals : {true, false})
+      for (const int steps : {1, 5, 100}) {  // of the flow
+        const std::string at =
+            std::string(gathered ? "gathered" : "rows") + (heals ? ", heals, " : ", ") + std::to_string(steps);
+        ShellModel m = ductile_panel(kYieldStress, 0.0);
+        m.material.hardening_modulus = 0.0;
+        ShellState s = watched(m, heals, gathered);
+        for (int q = 0; q < m.tables.blocks(); ++q)
+          for (int l = 0; l < 2; ++l)
+            for (int e = 0; e < m.tables.spans_u; ++e)  // it has flowed, by next to nothing
+              s.layers.plastic[m.tables.at(q, 8, 4 * l + 3, e)] = 1e-9;
+        compute_forces(m, s, false, 1.0, 1);
+        Work work(s);
+        double energy = 0.0, missing = 0.0, along = 0.0, across = 0.0;
+        const auto go = [&](double to_along, double to_across, int n) {  // Green's strains
+          const double from_along = along, from_across = across;
+          for (int k = 1; k <= n; ++k) {
+            along = from_along + (to_along - from_along) * k / n;
+            across = from_across + (to_across - from_across) * k / n;
+            stretch(m, s, along, across);
+            compute_forces(m, s, false, 1.0, 1);
+            energy = compute_forces(m, s, true, 0.0, 1);  // what has healed is booked
+            work.take(s);
+            missing = std::max(missing, std::abs(work.done - energy - s.book.lost()));
+          }
+        };
+        const auto green = [](double stretch) { return 0.5 * (stretch * stretch - 1.0); };
+        const double volume = 0.3 * 0.3 * m.thickness, tearing = 0.5 * kStrength * kComplete * volume;
+        go(1.02 * kComplete, 0.0, 400);
+        go(green(10.0), 0.0, 20);
+        EXPECT_NEAR(work.done / tearing, 1.0, 0.01) << at;
+        EXPECT_NEAR(energy / tearing, heals ? 1.0 : 0.0, 0.01) << at;
+        go(along, green(std::exp(-kYieldStress / kYoung)), 1);
+        go(along, green(std::exp(-kPressed)), steps);
+        const double pressed = 0.5 * kYieldStress * kYieldStress / kYoung * volume;  // elastic, across
+        const double flow = kYieldStress * (kPressed - kYieldStress / kYoung) * volume;
+        EXPECT_NEAR(s.book.plastic / flow, 1.0, 0.06) << at;  // finite against small strain
+        if (heals) EXPECT_NEAR(energy / tearing, 1.0 + pressed / tearing, 0.03) << at;
+        const double metric = 1.0 + s.layers.plastic[m.tables.at(0, 8, 0, 0)];
+        EXPECT_GT(metric, 4.0) << at;
+        go(along, green(std::exp(-kPressed) * (1.0 + kYieldStress / kYoung)), 1);
+        go(green(std::sqrt(metric * (1.0 + 2.04 * kComplete))), across, 20);
+        go(green(std::sqrt(metric)), across, 400);
+        EXPECT_NEAR(energy / tearing, 0.0, 0.02) << at;
+        EXPECT_NEAR(s.book.healing / tearing, 0.0, 0.03) << at;
+        EXPECT_NEAR(s.book.fracture / tearing, heals ? 0.0 : 1.0, 0.03) << at;
+        EXPECT_LT(missing, 0.01 * tearing + 0.002 * flow) << at;  // a step of 5 % across, by the trapezoidal rule
+      }
+}
+
 TEST(DuctileLayers, FacesOfALaminateLieBeyondItsCore) {
   EXPECT_NEAR(half_height(plies(2, 0.01, 0.004)), 0.005, 1e-15);
   EXPECT_NEAR(half_height(plies(5, 0.01, 0.0001)), 0.005, 1e-15);
