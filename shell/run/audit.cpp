@@ -16,6 +16,7 @@ constexpr double kUncertain = 0.1, kFrozen = 0.1;      // shares of the largest 
 constexpr double kAdded = 0.01;                        // share of the fracture energy
 constexpr double kLeastTaken = 0.7, kMostTaken = 1.5;  // share of the resistance of cracks
 constexpr double kMostRubble = 0.01;                   // share of the Gauss points
+constexpr double kWindowGap = 0.05;                    // share of the energy of what deforms
 constexpr double kNoted = 1e-3;  // share of the largest energy below which an amount is not reported
 
 }  // namespace
@@ -53,6 +54,16 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
     out.push_back(
         fmt::format("the energy books miss {:.1f} % of the energy there was: lower time_step_safety, or refine",
                     100.0 * audit.residual));
+  else if (share(std::abs(audit.largest_gap)) > kLargestGain)
+    out.push_back(
+        fmt::format("the energy books missed {:.1f} % of the energy there was, for a time: lower "
+                    "time_step_safety, or refine",
+                    100.0 * share(audit.largest_gap)));
+  if (const double gap = std::abs(audit.window_gap); gap > kWindowGap * audit.deforming && share(gap) > kNoted)
+    out.push_back(fmt::format(
+        "the energy books {} {:.2g} J in the window up to {:.4g} s, {:.0f} % of the energy that "
+        "what deforms ever had: lower time_step_safety, or refine",
+        audit.window_gap > 0.0 ? "gained" : "lost", gap, audit.window_gap_time, 100.0 * gap / audit.deforming));
   if (share(audit.returned) > kLargestReturn)
     out.push_back(
         fmt::format("contact has given back {:.1f} % of the energy there was, where it can only take: lower "

@@ -33,7 +33,11 @@ struct Audit {
   bool grid_transfer = false;  // velocities pass through a background grid
   bool keeps_damage = false;   // damage does not heal
   CrackSurface surface{};
-  double rubble = 0.0;  // Gauss points that bear nothing [share of all]
+  double rubble = 0.0;           // Gauss points that bear nothing [share of all]
+  double largest_gap = 0.0;      // energy that the books missed at the worst time [J]
+  double window_gap = 0.0;       // largest change of that energy in one window [J]
+  double window_gap_time = 0.0;  // end of that window [s]
+  double deforming = 0.0;        // most energy that shells and soft bodies had, or their books took [J]
 };
 
 /// Returns the energy [J] that cracks should take by the material's fracture energy and their area. Only cracks that

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "coupler/core/error.h"
 #include "shell/io/felt.h"
@@ -13,6 +14,20 @@ namespace {
 
 constexpr double kRoundOffStrain = 1e-12;  // energy stored at a smaller strain is round-off [-]
 constexpr double kUnstableGain = 100.0;    // multiple of all energy that the scene can account for [-]
+
+// Kinetic and elastic energy of shells and soft bodies [J].
+double energy_of_what_deforms(const Simulation& simulation) {
+  double sum = simulation.state.kinetic + simulation.state.elastic;
+  for (const Proxy& p : simulation.state.bodies)
+    if (!p.is_driven()) sum -= p.body.kinetic_energy();
+  return sum;
+}
+
+// What has left them, and stays away [J].
+double taken(const EnergyBook& b) {
+  return std::abs(b.fracture) + b.face_friction + b.face_crushing + std::abs(b.plastic) + std::abs(b.contact) +
+         b.damping + std::abs(b.transfer);
+}
 
 }  // namespace
 
@@ -48,10 +63,15 @@ void Books::open(Simulation& simulation, double energy) {
   scale = std::max(scale, round_off + simulation.soft_energy(kRoundOffStrain));
 }
 
-void Books::close(Simulation& simulation, double energy) {
+void Books::close(Simulation& simulation, double energy, double time) {
   scale = std::max(scale, simulation.state.kinetic + simulation.state.elastic);
-  residual = scale > 0.0 ? (energy - reference) / scale : 0.0;
-  const double contact = sum(simulation).contact;
+  const double before = std::exchange(gap, energy - reference);
+  residual = scale > 0.0 ? gap / scale : 0.0;
+  if (!(std::abs(gap) <= std::abs(largest_gap))) largest_gap = gap;
+  if (!(std::abs(gap - before) <= std::abs(window_gap))) window_gap = gap - before, window_gap_time = time;
+  const EnergyBook book = sum(simulation);
+  deforming = std::max(deforming, energy_of_what_deforms(simulation) + taken(book));
+  const double contact = book.contact;
   contact_taken = std::max(contact_taken, contact);
   contact_returned = std::max(contact_returned, contact_taken - contact);
 }
@@ -83,7 +103,8 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
                                 [](const ShellSetup& s) { return s.transfer.kind != Transfer::kDirect; });
   std::vector<std::string> out =
       audit_warnings({books.sum(simulation), books.scale, books.residual, books.contact_returned, coupling_residual,
-                      books.frozen_kinetic, grid, keeps, books.crack_surface(simulation), rubble});
+                      books.frozen_kinetic, grid, keeps, books.crack_surface(simulation), rubble, books.largest_gap,
+                      books.window_gap, books.window_gap_time, books.deforming});
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   if (const std::string whole = never_breaks(shells); !whole.empty()) out.insert(out.begin(), whole);

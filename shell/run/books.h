@@ -10,10 +10,17 @@ namespace sunder::shell {
 
 /// Energies of a run [J]. All members are plain numbers, so a checkpoint stores them as bytes.
 struct Books {
-  EnergyBook frozen{};            // books of the shells, taken when they are frozen
-  double scale = 0.0;             // largest kinetic plus elastic energy so far
-  double reference = 0.0;         // total energy at the start
-  double residual = 0.0;          // energy that the books miss, as a share of `scale` [-]
+  EnergyBook frozen{};           // books of the shells, taken when they are frozen
+  double scale = 0.0;            // largest kinetic plus elastic energy so far
+  double reference = 0.0;        // total energy at the start
+  double residual = 0.0;         // energy that the books miss, as a share of `scale` [-]
+  double gap = 0.0;              // energy that the books miss now; positive: energy from nowhere
+  double largest_gap = 0.0;      // the same, where it was largest
+  double window_gap = 0.0;       // its largest change in one window
+  double window_gap_time = 0.0;  // end of that window [s]
+  // Most energy of what deforms so far: kinetic and elastic energy of shells and soft bodies, and what their books have
+  // taken. A window is judged by it: a body may carry far more energy past a shell than ever meets it.
+  double deforming = 0.0;
   double contact_taken = 0.0;     // largest value of the contact book so far
   double contact_returned = 0.0;  // largest fall below it; contact can only take energy
   double frozen_kinetic = 0.0;    // kinetic energy of the shells when they were frozen
@@ -27,8 +34,9 @@ struct Books {
   CrackSurface crack_surface(Simulation& simulation) const;
   /// Starts the books. `energy` is the total energy of shells and bodies [J].
   void open(Simulation& simulation, double energy);
-  /// Updates the books after a window. `energy` is the present energy plus all booked energy [J].
-  void close(Simulation& simulation, double energy);
+  /// Updates the books after a window that ends at `time` [s]. `energy` is the present energy plus all booked energy
+  /// [J].
+  void close(Simulation& simulation, double energy, double time);
   /// Throws Error (unstable) where the energy [J] has changed by more than the scene can account for.
   void check_stable(Simulation& simulation, double energy, std::int64_t window) const;
 };

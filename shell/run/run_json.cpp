@@ -86,7 +86,9 @@ Json energy_of(const RunParts& run) {
           {"crack_injected", b.injected},
           {"frozen", b.frozen},
           {"engine", state.engine_loss},
-          {"residual_relative", run.books.residual}};
+          {"residual_relative", run.books.residual},
+          {"window_gap", run.books.window_gap},
+          {"window_gap_s", run.books.window_gap_time}};
 }
 
 Json cracks_of(const RunParts& run) {

@@ -132,7 +132,7 @@ void Run::close_books(double dt) {
     energy = simulation_.total_energy(dt);
   }
   books_.check_stable(simulation_, energy, clock_.windows);
-  books_.close(simulation_, energy + books_.sum(simulation_).lost() + state.engine_loss);
+  books_.close(simulation_, energy + books_.sum(simulation_).lost() + state.engine_loss, clock_.time());
   Stopwatch w(times[Stage::kCrackUpdate]);
   const std::vector<const ShellModel*> models = simulation_.model.setup.models();
   for (ShellPart& part : state.shells) part.measure_step(clock_.windows, simulation_.model.threads, models);
@@ -147,7 +147,8 @@ void Run::rigid_window() {
   coupler_.open_window(window);
   free_fall(state.bodies, state.bodies.size(), setup_.gravity, clock_.time(), window);
   coupler_.exchange(ticks, window, {});
-  books_.close(simulation_, simulation_.total_energy(0.0) + books_.sum(simulation_).lost() + state.engine_loss);
+  books_.close(simulation_, simulation_.total_energy(0.0) + books_.sum(simulation_).lost() + state.engine_loss,
+               clock_.time());
 }
 
 void Run::freeze_shell(const std::string& why) {

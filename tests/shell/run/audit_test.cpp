@@ -18,6 +18,7 @@ Audit sound() {
   Audit a;
   a.scale = 100.0, a.residual = -0.019, a.returned = 4.9, a.coupling = 9.0, a.frozen = 9.0;
   a.book.healing = -1.9, a.book.handoff = -1.9;
+  a.largest_gap = -1.9, a.deforming = 30.0, a.window_gap = 1.4;
   return a;
 }
 
@@ -68,6 +69,21 @@ TEST(Audit, EnergyThatIsMissingOrMadeIsNamedWithItsShare) {
   EXPECT_EQ(said(a).find("grid"), std::string::npos);
   a.grid_transfer = true;
   EXPECT_NE(said(a).find("grid"), std::string::npos);
+}
+
+TEST(Audit, AGapWithinTheRunIsNamedWhereTheEndShowsNone) {
+  Audit a = sound();
+  a.residual = 0.001, a.largest_gap = -3.0;
+  EXPECT_NE(said(a).find("missed -3.0 % of the energy there was, for a time"), std::string::npos);
+  // a ball of 1000 J goes through a sheet that never had more than 30 J: the share of all energy tells nothing
+  for (const double gap : {1.6, -1.6}) {
+    a = sound(), a.scale = 1000.0;
+    a.window_gap = gap, a.window_gap_time = 0.0545;
+    EXPECT_NE(said(a).find(gap > 0.0 ? "gained 1.6 J in the window up to 0.0545 s, 5 % of" : "lost 1.6 J"),
+              std::string::npos);
+  }
+  a.scale = 2000.0;  // too little to matter
+  EXPECT_TRUE(audit_warnings(a).empty());
 }
 
 TEST(Audit, WhatAWindowOrAFreezeLeavesOpenIsNamedWithItsRemedy) {

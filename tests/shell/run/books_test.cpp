@@ -1,4 +1,5 @@
 // The energy books of a run.
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -39,12 +40,29 @@ TEST(Books, ResidualIsWhatIsMissingOverTheLargestEnergyThereWas) {
   books.open(rig.simulation(), 5.0);
   EXPECT_EQ(books.scale, 4.0);
   rig.now().kinetic = 7.0;
-  books.close(rig.simulation(), 5.4);
+  books.close(rig.simulation(), 5.4, 1.0);
   EXPECT_EQ(books.scale, 8.0);
   EXPECT_NEAR(books.residual, 0.4 / 8.0, 1e-15);
   rig.now().kinetic = 1.0;
-  books.close(rig.simulation(), 4.6);
+  books.close(rig.simulation(), 4.6, 2.0);
   EXPECT_NEAR(books.residual, -0.4 / 8.0, 1e-15);  // it was more once
+}
+
+TEST(Books, KeepTheLargestGapAndTheWindowInWhichItGrewMost) {
+  Rig rig(setup_of({{brittle_sheet(4)}}));
+  Books books;
+  books.open(rig.simulation(), 1.0);
+  rig.now().kinetic = 2.0, rig.now().elastic = 0.5;
+  rig.state().book.plastic = 0.25, rig.state().book.contact = -0.5;
+  double time = 0.0;
+  for (const double energy : {1.1, 0.7, 0.6, 1.0}) books.close(rig.simulation(), energy, time += 0.25);
+  EXPECT_EQ(books.gap, 0.0);
+  EXPECT_NEAR(books.largest_gap, -0.4, 1e-15);
+  EXPECT_NEAR(books.window_gap, -0.4, 1e-15);
+  EXPECT_EQ(books.window_gap_time, 0.5);  // the fourth window changed as much
+  EXPECT_EQ(books.deforming, 3.25);
+  books.close(rig.simulation(), std::numeric_limits<double>::quiet_NaN(), 2.0);
+  EXPECT_TRUE(std::isnan(books.window_gap));
 }
 
 TEST(Books, KeepTheMostThatContactHasGivenBack) {
@@ -52,7 +70,7 @@ TEST(Books, KeepTheMostThatContactHasGivenBack) {
   Books books;
   books.open(rig.simulation(), 0.0);
   for (const double taken : {1.0, 0.7, 3.0, 2.5, 2.9})
-    rig.state().book.contact = taken, books.close(rig.simulation(), 0);
+    rig.state().book.contact = taken, books.close(rig.simulation(), 0, 0);
   EXPECT_EQ(books.contact_taken, 3.0);
   EXPECT_NEAR(books.contact_returned, 0.5, 1e-15);
 }
