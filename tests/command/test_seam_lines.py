@@ -21,7 +21,7 @@ class SeamLines(unittest.TestCase):
     """A shell of 7 rows to the left of a curved seam, and one of 10 or 7 rows to its right."""
 
     def mesh(self, fragments: tuple[int, int] = (0, 0), shells: tuple[int, int] = (0, 1), apart: float = 0.0,
-             right: int = 10, crumbs: int = 0) -> PolyData:
+             right: int = 10, slivers: int = 0) -> PolyData:
         points, triangles, count = [], [], []
         for rows, far in ((7, -0.1), (right, 0.1)):
             y, first = np.linspace(0.0, HEIGHT, rows + 1), sum(map(len, points))
@@ -29,7 +29,7 @@ class SeamLines(unittest.TestCase):
             k = first + np.arange(rows)
             triangles += [np.stack([k, k + rows + 1, k + 1], axis=1), np.stack([k + 1, k + rows + 1, k + rows + 2], axis=1)]
             count.append(2 * rows)
-        for k in range(crumbs):  # small pieces of the first shell, far off, of which each has three lines
+        for k in range(slivers):  # small pieces of the first shell, far off, of which each has three lines
             first = sum(map(len, points))
             points.append(np.array([[5.0 + k, 0, 0], [5.001 + k, 0, 0], [5.0 + k, 0.001, 0]]))
             triangles.append(np.array([[first, first + 1, first + 2]]))
@@ -37,14 +37,14 @@ class SeamLines(unittest.TestCase):
         moved = np.zeros_like(rest)
         moved[16:16 + 2 * (right + 1), 0] = apart
         return PolyData(rest + moved, triangles=np.concatenate(triangles), point_data={"displacement": moved}, cell_data={
-            "fragment": np.concatenate([np.repeat(fragments, count), 50 + np.arange(crumbs)]),
-            "shell": np.concatenate([np.repeat(shells, count), np.full(crumbs, shells[0])])})
+            "fragment": np.concatenate([np.repeat(fragments, count), 50 + np.arange(slivers)]),
+            "shell": np.concatenate([np.repeat(shells, count), np.full(slivers, shells[0])])})
 
-    def seam_lines(self, mesh: PolyData, right: int = 10, crumbs: int = 0) -> int:
+    def seam_lines(self, mesh: PolyData, right: int = 10, slivers: int = 0) -> int:
         """Number of lines drawn along the seam; all other borders have to be there."""
         ends = (mesh.points - mesh.point_data["displacement"])[fragment_edges(mesh)]
         along = (np.abs(ends[:, :, 0]) < 0.05).all(axis=1)
-        self.assertEqual(int((~along).sum()), 7 + right + 4 + 3 * crumbs)
+        self.assertEqual(int((~along).sum()), 7 + right + 4 + 3 * slivers)
         return int(along.sum())
 
     def test_a_seam_that_holds_is_not_drawn(self) -> None:
@@ -52,7 +52,7 @@ class SeamLines(unittest.TestCase):
             self.assertEqual(self.seam_lines(self.mesh(right=right), right), 0)
 
     def test_small_pieces_elsewhere_change_nothing(self) -> None:
-        self.assertEqual(self.seam_lines(self.mesh(crumbs=40), crumbs=40), 0)
+        self.assertEqual(self.seam_lines(self.mesh(slivers=40), slivers=40), 0)
 
     def test_a_seam_that_has_opened_is_drawn_on_both_sides(self) -> None:
         for right in (7, 10):

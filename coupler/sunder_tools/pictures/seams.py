@@ -35,7 +35,7 @@ def off_seams(mesh: PolyData, lines: np.ndarray) -> np.ndarray:
 
 
 def _usual_side(corners: np.ndarray) -> float:
-    """Mean of the square roots of twice the areas of triangles (m, 3, 3), by area: crumbs do not count."""
+    """Mean of the square roots of twice the areas of triangles (m, 3, 3), by area: slivers do not count."""
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     return float((area * np.sqrt(2.0 * area)).sum() / max(area.sum(), 1e-300))
 

@@ -311,7 +311,7 @@ TEST(DuctileLayers, BooksWhatACutThroughThemChanges) {
   }
 }
 
-// A bar is torn, pulled to ten times its length, pressed across until it flows, and let go. Torn it bears nothing
+// A bar is torn, pulled to ten times its length, pressed across until it flows, and released. Torn it bears nothing
 // along, however far it is stretched: it stores G_f / l, which it gives back with healing and has lost without. The
 // flow across takes the yield stress times its strain. It is a strain of the bar as it is, so that it changes the
 // plastic metric along by a multiple of itself.
