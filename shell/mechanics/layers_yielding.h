@@ -252,17 +252,25 @@ struct YieldingLayers {
     /// elastic: no state is read or written.
     template <bool kEnergy, bool kRecord, class Mask>
     Resultants<T> resultants(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
-      if (never_flowed()) {
-        const Resultants<T> r = integrate_layers<T, kEnergy>(f, ref, places.t.layers, places.t.elasticity);
-        const SectionFaces section = section_faces(places.t.layers);
-        faces = linear_faces<T>(r, section);
-        const Sym2<T> low = at_height(f.a, f.b, -section.half), high = at_height(f.a, f.b, section.half);
-        elastic = !any(!(surely_elastic<T>(faces.low, low, law.law) & surely_elastic<T>(faces.high, high, law.law)));
-        if (elastic) {
-          if constexpr (kRecord) faces = {unrotated_stress<T>(faces.low, low), unrotated_stress<T>(faces.high, high)};
-          return r;
-        }
-      }
+      Resultants<T> r;
+      if (try_elastic<kEnergy, kRecord>(f, ref, section_faces(places.t.layers), r)) return r;
+      return yielding_resultants<kEnergy, kRecord>(f, ref, summed);
+    }
+    /// The same in two parts: true, and the resultants, where layers are surely elastic; otherwise the second part
+    /// follows. A pack that is surely elastic bears: at so little stress C is near the metric at rest.
+    template <bool kEnergy, bool kRecord>
+    bool try_elastic(const Forms<T>& f, const ReferenceMetric<T>& ref, const SectionFaces& section, Resultants<T>& r) {
+      if (!never_flowed()) return false;
+      r = integrate_layers<T, kEnergy>(f, ref, places.t.layers, places.t.elasticity);
+      faces = linear_faces<T>(r, section);
+      const Sym2<T> low = at_height(f.a, f.b, -section.half), high = at_height(f.a, f.b, section.half);
+      elastic = !any(!(surely_elastic<T>(faces.low, low, law.law) & surely_elastic<T>(faces.high, high, law.law)));
+      if constexpr (kRecord)
+        if (elastic) faces = {unrotated_stress<T>(faces.low, low), unrotated_stress<T>(faces.high, high)};
+      return elastic;
+    }
+    template <bool kEnergy, bool kRecord, class Mask>
+    Resultants<T> yielding_resultants(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
       if (law.advance) return integrate<kEnergy, kRecord, true>(f, ref, summed);
       return integrate<kEnergy, kRecord, false>(f, ref, summed);
     }

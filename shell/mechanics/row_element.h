@@ -142,9 +142,9 @@ inline Sym2<Pack> rest_beyond(const IntPack& summed, const Sym2<Pack>& now, cons
 
 // Factors from resultants to the stress of the faces.
 struct FaceFactors {
+  SectionFaces section;
   double of_n, of_m;
-  explicit FaceFactors(const Layers& layers) {
-    const SectionFaces section = section_faces(layers);
+  explicit FaceFactors(const Layers& layers) : section(section_faces(layers)) {
     of_n = 1.0 / section.thickness, of_m = 6.0 / section.squared;
   }
   Sym2<Pack> face(const Resultants<Pack>& r, double side) const {
@@ -183,11 +183,25 @@ template <bool kEnergy, bool kStress, class Law>
   const ReferenceMetric<Pack> ref = at.reference();
   Forms<Pack> forms = surface_forms(d);
   IntPack summed = own;
-  if constexpr (Law::kFolds) summed = own & bears(forms, ref, at.t.layers);
-  if (any(~summed))  // at rest: lanes that are not summed would force the slow branch of large strain on all
-    forms.a = rest_beyond(summed, forms.a, ref.a), forms.b = rest_beyond(summed, forms.b, ref.b);
   auto law = Law::at(RowPlaces{at.t, at.block, at.e}, memory);
-  const Resultants<Pack> r = law.template resultants<kEnergy, kStress>(forms, ref, summed);
+  Resultants<Pack> r;
+  const auto others_at_rest = [&] {  // lanes that are not summed would force the slow branch of large strain on all
+    if (any(~summed)) forms.a = rest_beyond(summed, forms.a, ref.a), forms.b = rest_beyond(summed, forms.b, ref.b);
+  };
+  if constexpr (Law::kAdvances) {
+    others_at_rest();
+    if (!law.template try_elastic<kEnergy, kStress>(forms, ref, factors.section, r)) {
+      summed = own & bears(forms, ref, at.t.layers);
+      others_at_rest();
+      // where all bear, nothing has changed, and layers are not surely elastic
+      r = any(own & ~summed) ? law.template resultants<kEnergy, kStress>(forms, ref, summed)
+                             : law.template yielding_resultants<kEnergy, kStress>(forms, ref, summed);
+    }
+  } else {
+    if constexpr (Law::kFolds) summed = own & bears(forms, ref, at.t.layers);
+    others_at_rest();
+    r = law.template resultants<kEnergy, kStress>(forms, ref, summed);
+  }
   if constexpr (Law::kRemembers) {
     if constexpr (!Law::kFolds) summed &= law.sound(forms, ref);
     if constexpr (kEnergy || kStress || Law::kAdvances) {
