@@ -416,3 +416,20 @@ TEST(Window, ThatTheRefusalNamesIsAccepted) {
   const std::string named = says.substr(found + 14, says.find(" s", found + 14) - found - 14);
   EXPECT_EQ(refusal(replaced("window_s: 1e-4", "window_s: " + named)).kind, "accepted") << named;
 }
+
+// A body may move by its radius and the least thickness in a substep: 20 mm and 1 mm, not 4 mm.
+TEST(SmallScene, ABodyIsAsFastAsTheThinnestPlaceAllows) {
+  const std::string law = "thickness_law { along: U points { at_m: 0 factor: 1 } points { at_m: 0.5 factor: 0.25 } }";
+  const auto told = [&](double speed) {
+    std::string text = with_fields(law);
+    const std::string pose = "pose { position { z: 0.1 } }";
+    text.replace(text.find(pose), pose.size(), pose + fmt::format(" twist {{ linear {{ z: {} }} }}", -speed));
+    return std::string(refusal(text).what());
+  };
+  const std::string says = told(1e6);
+  const std::size_t at = says.find("moves 'ball' ");
+  ASSERT_NE(at, std::string::npos) << says;
+  const double step = std::stod(says.substr(at + 13)) / 1e6;  // with the safety factor
+  EXPECT_EQ(told(0.98 * 0.021 / step).find("in a substep"), std::string::npos);
+  EXPECT_NE(told(1.02 * 0.021 / step).find("in a substep"), std::string::npos);
+}
