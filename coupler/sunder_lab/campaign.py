@@ -14,6 +14,7 @@ from sunder_tools.launch import engines
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.launch.needs import reads_cad
 from sunder_tools.pictures.plots import Panel, write_panels
+from sunder_tools.report.run_json import read_run
 
 from .executors import Executor, Local, Slurm, default_jobs
 from .member import KEEP, RUN_FOLDER, Member, is_done, outcome
@@ -59,6 +60,15 @@ class Settings:
 def member(out: Path | str, name: str) -> Results:
     """Opens the run behind a row of a table; `name` is its column `member`. Raises CommandError where there is none."""
     return Results(Path(out) / MEMBERS / name / RUN_FOLDER)
+
+
+def warnings_of(run: Path) -> list[str] | None:
+    """Returns the warnings of a run; None where it has written no run.json."""
+    told = read_run(run)
+    if "status" not in told:
+        return None
+    found = told.get("warnings")
+    return [str(one) for one in found] if isinstance(found, list) else []
 
 
 class Campaign:
@@ -133,7 +143,8 @@ class Campaign:
     def table(self, planned: list[Planned], measure: Measure) -> tuple[Table, Table]:
         """Returns the table of results, and a table of values that differ between runs: times, hosts, builds.
 
-        A member that failed has its error in `error`, and so has one that could not be measured.
+        A member that failed has its error in `error`, and so has one that could not be measured. `warnings` is the number of
+        sentences in its run.json.
         """
         rows: list[dict[str, object]] = []
         times: list[dict[str, object]] = []
@@ -142,6 +153,8 @@ class Campaign:
             found = outcome(place)
             row = {"member": place.name, **p.columns, "status": found.get("status", "not run"),
                    "error": found.get("error") or None}
+            told = warnings_of(place / RUN_FOLDER)
+            row["warnings"] = None if told is None else len(told)
             if row["status"] == "done":
                 try:
                     row.update(measure(Results(place / RUN_FOLDER)))

@@ -21,7 +21,7 @@ from .table import Cell, Table
 
 SEED_PATH = "fracture.seed"
 # Columns of every table; no parameter and no measure may use these names.
-OWN = ("member", "seed", "repeat", "status", "error")
+OWN = ("member", "seed", "repeat", "status", "error", "warnings")
 
 To = Union[str, Sequence[str], Mapping[str, Callable[[Any], Value]], Callable[[Scene, Any], None]]
 

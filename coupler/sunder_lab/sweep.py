@@ -1,7 +1,6 @@
 """`sunder sweep FILE`: runs the experiments that a Python file defines."""
 from __future__ import annotations
 
-import json
 import re
 import runpy
 import sys
@@ -12,9 +11,10 @@ from typing import Union
 
 from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError, Interrupted
 
-from .campaign import MEMBERS, Settings
+from .campaign import MEMBERS, Settings, warnings_of
 from .experiment import Experiment
-from .table import Table
+from .member import RUN_FOLDER
+from .table import Cell, Table
 from .v50 import V50, Ballistic
 
 Series = Union[Experiment, V50]
@@ -73,24 +73,24 @@ def _tell_table(series: Series, table: Table) -> int:
     bad = [row for row in table if row["status"] != "done"]
     print(f"{series.name:<16} {len(table) - len(bad)} of {len(table)} runs done")
     for row in bad:
-        columns = ", ".join(f"{k} {row[k]}" for k in table.columns[1:table.columns.index("status")])
-        print(f"{row['status']:<16} {columns}: {row['error']}")
+        print(f"{row['status']:<16} {_settings(table, row)}: {row['error']}")
     return CHECK_FAILED if bad else DONE
 
 
+def _settings(table: Table, row: dict[str, Cell]) -> str:
+    """What makes a row: its parameters and its seed."""
+    return ", ".join(f"{k} {row[k]}" for k in table.columns[1:table.columns.index("status")])
+
+
 def _warnings(out: Path, table: Table) -> list[str]:
-    """What the runs of a series warn of, a line for each kind: how many runs, and the first of them in its own words."""
-    kinds: dict[str, list[tuple[str, str]]] = {}
+    """What the runs of a series warn of, a line for each kind: how many runs, and the first of them, its settings and its folder,
+    in its own words."""
+    kinds: dict[str, list[tuple[dict[str, Cell], str]]] = {}
     for row in table:
-        try:
-            run = json.loads((out / MEMBERS / str(row["member"]) / "run" / "run.json").read_text())
-        except (OSError, ValueError):
-            continue
-        told = run.get("warnings") if isinstance(run, dict) else None
-        for warning in told if isinstance(told, list) else []:
-            kinds.setdefault(re.sub(r"[0-9.eE+-]*[0-9][0-9.eE+-]*", "N", str(warning)), []).append((str(row["member"]), str(warning)))
-    return [f"warning          {len({member for member, _ in found})} of {len(table)} runs, {found[0][0]} first: {found[0][1]}"
-            for found in kinds.values()]
+        for warning in warnings_of(out / MEMBERS / str(row["member"]) / RUN_FOLDER) or []:
+            kinds.setdefault(re.sub(r"[0-9.eE+-]*[0-9][0-9.eE+-]*", "N", warning), []).append((row, warning))
+    return [f"warning          {len({row['member'] for row, _ in found})} of {len(table)} runs, first {_settings(table, found[0][0])} "
+            f"({found[0][0]['member']}): {found[0][1]}" for found in kinds.values()]
 
 
 def _unsettled(table: Table) -> list[str]:

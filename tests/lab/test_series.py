@@ -235,6 +235,17 @@ class OneByOne(Pretended):
             super().run([folder], ended)
 
 
+class Warned(Pretended):
+    """As Pretended; the run with a speed of 2 warns of two things."""
+
+    def run(self, folders: list[Path], ended: Callable[[Path], None]) -> None:
+        super().run(folders, ended)
+        for folder in folders:
+            if sunder.Results(folder / "run").scene["bodies[pellet].twist.linear.z"] == 2.0:
+                told = json.loads((folder / "run" / "run.json").read_text())
+                (folder / "run" / "run.json").write_text(json.dumps(told | {"warnings": ["5 % is rubble", "coarse"]}))
+
+
 class Names(unittest.TestCase):
     """Names of columns and plots are found before anything runs: nothing is left in the folder of the series."""
 
@@ -305,11 +316,22 @@ class Names(unittest.TestCase):
                                  ("c", [])):
             folder = self.out / "members" / member / "run"
             folder.mkdir(parents=True)
-            (folder / "run.json").write_text(json.dumps({"warnings": warnings}))
-        rows = Table([{"member": member, "status": "done"} for member in ("a", "b", "c", "lost")])
-        self.assertEqual(_warnings(self.out, rows), ["warning          2 of 4 runs, a first: 1.5 % of the points are rubble",
-                                                     "warning          1 of 4 runs, b first: cracks"])
+            (folder / "run.json").write_text(json.dumps({"status": "done", "warnings": warnings}))
+        rows = Table([{"member": member, "speed": 2.5 * k, "seed": 7 + k, "status": "done"}
+                      for k, member in enumerate(("a", "b", "c", "lost"))])
+        self.assertEqual(_warnings(self.out, rows), [
+            "warning          2 of 4 runs, first speed 0.0, seed 7 (a): 1.5 % of the points are rubble",
+            "warning          1 of 4 runs, first speed 2.5, seed 8 (b): cracks"])
         self.assertEqual(_unsettled(rows), [])
+
+    def test_the_table_has_the_number_of_warnings(self) -> None:
+        self.refused("'warnings'", measure=[sunder.gives("warnings")(lambda _: {"warnings": 1})])
+        series = self.series(parameters={"speed": sunder.Parameter([1.0, 2.0], "bodies[pellet].twist.linear.z")},
+                             measure=lambda _: {"height_m": 1.0})
+        table = series.run(Warned(self.out, quiet=True))
+        self.assertEqual(list(zip(table["speed"], table["warnings"])), [(1.0, 0), (2.0, 2)])
+        self.assertIn(",warnings,height_m", (self.out / "results.csv").read_text().splitlines()[0])
+        self.assertRegex(_warnings(self.out, table)[1], r"^warning +1 of 2 runs, first speed 2.0, seed \d+ \([0-9a-f]{16}\): coarse$")
 
     def test_runs_that_end_during_the_impact_are_told(self) -> None:
         rows = Table([
