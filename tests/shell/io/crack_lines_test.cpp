@@ -15,24 +15,26 @@ using namespace sunder::shell;
 
 namespace {
 
-BodyMotion at(const Vec3& position, const Vec3& axis, double angle) {
+BodyMotion body_at(const Vec3& position, const Vec3& axis, double angle) {
   BodyMotion body;
   body.position = position;
   body.orientation = Quat(Eigen::AngleAxisd(angle, axis.normalized()));
   return body;
 }
 
+ShellModel split_pane(bool laminated) {
+  ShellMaterial material = glass();
+  if (laminated) material.interlayer = {0.001, 1100, 1e7, 0.4};
+  return make_shell("pane", plate(0.2, 0.2, 16, 16, Vec3(0.1, 0.1, 0), Quat::Identity()), 0.004, material, 2, 2, {});
+}
+
 // A laminate of 0.2 m by 0.2 m with a crack in either half, turned and moved as a whole.
 struct Turned {
   ShellModel model;
   ShellState state;
-  BodyMotion motion = at({0.3, -0.2, 0.5}, {1.0, 2.0, -1.0}, 0.8);
+  BodyMotion motion = body_at({0.3, -0.2, 0.5}, {1.0, 2.0, -1.0}, 0.8);
 
-  explicit Turned(bool laminated = true) {
-    ShellMaterial material = glass();
-    if (laminated) material.interlayer = {0.001, 1100, 1e7, 0.4};
-    model = make_shell("pane", plate(0.2, 0.2, 16, 16, Vec3(0.1, 0.1, 0), Quat::Identity()), 0.004, material, 2, 2, {});
-    state = make_state(model, Vec3::Zero(), 0);
+  explicit Turned(bool laminated = true) : model(split_pane(laminated)), state(make_state(model, Vec3::Zero(), 0)) {
     insert_polyline(model, state, {{0.04, 0.05}, {0.06, 0.15}}, 0.25);
     insert_polyline(model, state, {{0.15, 0.05}, {0.16, 0.15}}, 0.5);
     for (int i = 0; i < model.control_points(); ++i) {
@@ -74,9 +76,9 @@ TEST(CrackLines, GoOnWithTheBodyThatTookThem) {
   EXPECT_EQ(taken.size() + other.size(), crack_lines(pane.model, pane.state, 0).size());
   ASSERT_FALSE(taken.empty());
   ASSERT_FALSE(other.empty());
-  const std::array<BodyMotion, 2> before{at(pane.world({0.05, 0.1, 0}), {0, 1, 1}, 1.1),
-                                         at(pane.world({0.15, 0.1, 0}), {1, 0, 1}, -0.4)};
-  const std::array<BodyMotion, 2> after{at({1, 2, 3}, {1, 1, 0}, 2.2), at({-1, 0, 2}, {0, 0, 1}, -1.5)};
+  const std::array<BodyMotion, 2> before{body_at(pane.world({0.05, 0.1, 0}), {0, 1, 1}, 1.1),
+                                         body_at(pane.world({0.15, 0.1, 0}), {1, 0, 1}, -0.4)};
+  const std::array<BodyMotion, 2> after{body_at({1, 2, 3}, {1, 1, 0}, 2.2), body_at({-1, 0, 2}, {0, 0, 1}, -1.5)};
   std::vector<DrawnLine> drawn;
   add_carried(after[0], seen_from(before[0], taken), drawn);
   add_carried(after[1], seen_from(before[1], other), drawn);
