@@ -37,8 +37,10 @@ MODULUS = 50.0    # of Weibull's scatter from place to place along the strip; a 
 BAND = 1.43       # [spacings]: width over which damage takes G_f (case `bar`)
 RELEASED = 0.9    # share of the time until the strength is reached, from which on all but the ends moves by itself
 WITHIN = 0.2
-BETWEEN_GRIDS = 0.15    # twice the standard error of the mean of EXPECTED sizes of Rayleigh's distribution
-FROM_SOLVED = 0.15      # the same for mode DAMAGE, whose law is that of `solved`
+# Chosen. Means of EXPECTED sizes of Rayleigh's distribution scatter by 0.523 / sqrt(EXPECTED) = 0.07 of themselves, and the
+# ratio of two such means of other flaws by 0.10. All grids and `solved` have the same flaws, so theirs scatters by less.
+BETWEEN_GRIDS = 0.15
+FROM_SOLVED = 0.15      # in mode DAMAGE, whose law is that of `solved`
 FROM_RAYLEIGH = 0.1     # chosen
 APART = 0.1             # chosen; between the sizes of mode DAMAGE and those that are solved
 FINER = 40              # elements along a fragment in `solved`
