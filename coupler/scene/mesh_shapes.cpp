@@ -7,6 +7,7 @@
 
 #include "coupler/core/smooth_keys.h"
 #include "coupler/scene/mesh_reader.h"
+#include "coupler/scene/point_cache.h"
 
 namespace sunder::scene {
 namespace {
@@ -78,6 +79,21 @@ void check_faces(const MeshFile& first, const MeshFile& file) {
                           first.path, first.place, first.polygons[k].line));
 }
 
+// The samples of a cache; the first one is the surface at time 0.
+void add_cached(const LoadedScene& scene, const std::string& field, const proto::PointCache& m, const MeshFile& first,
+                const std::vector<int>& point, SolidShapes& out) {
+  PointSamples samples = read_point_cache(scene, field, m, first);
+  for (std::size_t k = 0; k < samples.points.size(); ++k) {
+    std::vector<Vec3> corners;
+    for (const int i : point) corners.push_back(samples.points[k][i]);
+    check_shape(scene, field + ".path", fmt::format("'{}': sample {} is no shape of this body", m.path(), k + 1),
+                corners, out.surface, "mend that in the animation");
+    samples.points[k] = {};
+    out.times.push_back(samples.times[k]), out.corners.push_back(std::move(corners));
+  }
+  out.surface.corners = out.corners.front();
+}
+
 }  // namespace
 
 SolidShapes read_shapes(const LoadedScene& scene, const std::string& field, const proto::Body& body) {
@@ -94,6 +110,10 @@ SolidShapes read_shapes(const LoadedScene& scene, const std::string& field, cons
     return out;
   }
   const std::vector<int> point = points_of(out.surface, first.points);
+  if (d.has_cache()) {
+    add_cached(scene, field + ".deformation.cache", d.cache(), first, point, out);
+    return out;
+  }
   out.times.push_back(0.0), out.corners.push_back(out.surface.corners);
   for (int k = 0; k < d.shapes_size(); ++k) {
     proto::Mesh mesh = body.mesh();

@@ -1,5 +1,6 @@
 // What the prescribed motion of a body and the change of its shape must be.
 #include <cmath>
+#include <vector>
 
 #include "coupler/scene/checks.h"
 
@@ -8,6 +9,7 @@ namespace {
 
 constexpr int kMostKeys = 100000;  // of a motion
 constexpr int kMostShapes = 1000;
+constexpr double kMostFrames = 1e6;  // [1/s]
 
 template <class Keys>
 void rising(const LoadedScene& s, const std::string& field, const Keys& keys, bool after_zero) {
@@ -66,8 +68,12 @@ void deformation(const LoadedScene& s, const std::string& f, const proto::Body& 
   s.check(!b.has_launch(), f + ".launch",
           "is given, and nothing but its motion moves a body with a deformation; leave "
           "it out, or give motion");
-  s.check((d.inflate_size() > 0) != (d.shapes_size() > 0), field, "has {}; give inflate or shapes",
-          d.inflate_size() > 0 ? "both inflate and shapes" : "neither inflate nor shapes");
+  std::vector<const char*> given;
+  if (d.inflate_size() > 0) given.push_back("inflate");
+  if (d.shapes_size() > 0) given.push_back("shapes");
+  if (d.has_cache()) given.push_back("cache");
+  s.check(!given.empty(), field, "has neither inflate nor shapes nor a cache; give one of them");
+  s.check(given.size() == 1, field, "has both {} and {}; give one of them", given.front(), given.back());
   rising(s, field + ".inflate", d.inflate(), false);
   for (int k = 0; k < d.inflate_size(); ++k)
     s.check(std::isfinite(d.inflate(k).distance_m()), fmt::format("{}.inflate[{}].distance_m", field, k),
@@ -80,6 +86,15 @@ void deformation(const LoadedScene& s, const std::string& f, const proto::Body& 
   for (int k = 0; k < d.shapes_size(); ++k)
     s.check(!d.shapes(k).path().empty(), fmt::format("{}.shapes[{}].path", field, k),
             "is missing; name a mesh beside the scene");
+  if (!d.has_cache()) return;
+  const proto::PointCache& c = d.cache();
+  s.check(!c.path().empty(), field + ".cache.path", "is missing; name a PC2 file beside the scene");
+  s.check(c.has_frames_per_second(), field + ".cache.frames_per_second",
+          "is missing; give that of the animation, often 24 or 25");
+  s.check(c.frames_per_second() > 0.0 && c.frames_per_second() <= kMostFrames, field + ".cache.frames_per_second",
+          "is {}; give more than 0, and at most {:g}", c.frames_per_second(), kMostFrames);
+  s.check(!c.has_time_s() || (std::isfinite(c.time_s()) && c.time_s() >= 0.0), field + ".cache.time_s",
+          "is {}; give seconds from 0 on", c.time_s());
 }
 
 }  // namespace

@@ -62,7 +62,9 @@ void check_way(const scene::LoadedScene& scene, const std::string& field, const 
   const proto::Deformation& d = m.deformation();
   const bool inflated = d.inflate_size() > 0;
   const int given = inflated ? d.inflate_size() : d.shapes_size();
+  const auto which = [&](int key) { return d.has_cache() ? fmt::format("sample {} ", key + 1) : std::string(); };
   const auto name = [&](int key) {  // the curve may begin with the mesh itself
+    if (d.has_cache()) return field + ".deformation.cache.path";
     const int k = key - (static_cast<int>(curve.times.size()) - given);
     return k < 0 ? field + ".mesh" : fmt::format("{}.deformation.{}[{}]", field, inflated ? "inflate" : "shapes", k);
   };
@@ -75,18 +77,18 @@ void check_way(const scene::LoadedScene& scene, const std::string& field, const 
     const std::map<int, double> now = volumes(surface, part, curve.corners[k]);
     for (const auto& [p, volume] : first)
       scene.check(now.at(p) * volume > 0.0, name(static_cast<int>(k)),
-                  "turns '{}' inside out, or its part with the point {} of the surface: the volume within changes from "
-                  "{:.3g} to {:.3g} m^3; {}",
-                  m.name(), p, volume, now.at(p), give);
+                  "{}turns '{}' inside out, or its part with the point {} of the surface: the volume within changes "
+                  "from {:.3g} to {:.3g} m^3; {}",
+                  which(static_cast<int>(k)), m.name(), p, volume, now.at(p), give);
     for (int look = 1; k > 0 && look < kWayLooks; ++look) {
       const double t = curve.times[k - 1] + (curve.times[k] - curve.times[k - 1]) * look / kWayLooks;
       curve.at(t, corners);
       for (const auto& [p, volume] : volumes(surface, part, corners)) {
         const double least = kLeastOnWay * std::min(std::abs(before.at(p)), std::abs(now.at(p)));
         scene.check(volume * first.at(p) > 0.0 && std::abs(volume) >= least, name(static_cast<int>(k)),
-                    "is reached from the shape before it on straight ways, on which '{}' shrinks to {:.3g} of its "
+                    "{}is reached from the shape before it on straight ways, on which '{}' shrinks to {:.3g} of its "
                     "volume at {:.4g} s; {}",
-                    m.name(), volume / first.at(p), t,
+                    which(static_cast<int>(k)), m.name(), volume / first.at(p), t,
                     inflated ? give : "give more shapes between the two, or turn it by motion");
       }
     }

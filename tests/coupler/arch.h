@@ -1,6 +1,7 @@
 #pragma once
 // An arch: a block on two feet with a gap below, and its mesh files.
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,18 @@ inline std::string obj(const Mesh& m) {
     text += "\n";
   }
   return text;
+}
+
+/// A PC2 file of these samples: the frame of the first one, and frames from sample to sample.
+inline std::string pc2(const std::vector<std::vector<sunder::Vec3>>& samples, float first, float every) {
+  std::string out("POINTCACHE2\0", 12);
+  const auto add = [&](auto number) { out.append(reinterpret_cast<const char*>(&number), sizeof number); };
+  add(std::int32_t{1}), add(static_cast<std::int32_t>(samples.front().size())), add(first), add(every);
+  add(static_cast<std::int32_t>(samples.size()));
+  for (const auto& points : samples)
+    for (const sunder::Vec3& p : points)
+      for (int c = 0; c < 3; ++c) add(static_cast<float>(p[c]));
+  return out;
 }
 
 }  // namespace arch

@@ -102,4 +102,27 @@ void run_surface(const std::uint8_t* data, std::size_t size) {
   });
 }
 
+/// A PC2 file, for a body whose mesh has the corners of a box.
+void run_pc2(const std::uint8_t* data, std::size_t size) {
+  static const std::string box =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+      "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  file_with("box.obj", reinterpret_cast<const std::uint8_t*>(box.data()), box.size());
+  scene::LoadedScene scene;
+  scene.path = file_with("points.pc2", data, size);
+  proto::Body body;
+  body.mutable_mesh()->set_path("box.obj"), body.mutable_mesh()->set_surface(proto::Mesh::EXACT);
+  proto::PointCache& cache = *body.mutable_deformation()->mutable_cache();
+  cache.set_path("points.pc2"), cache.set_frames_per_second(24.0);
+  refuses_by_name([&] {
+    const auto shapes = scene::read_shapes(scene, "bodies[0]", body);
+    demand(!shapes.times.empty() && shapes.times.size() == shapes.corners.size(), "shapes without times");
+    for (std::size_t k = 0; k < shapes.times.size(); ++k) {
+      demand(shapes.times[k] >= 0.0 && (k == 0 || shapes.times[k] > shapes.times[k - 1]), "times that do not rise");
+      demand(shapes.corners[k].size() == shapes.surface.corners.size(), "corners are missing");
+      for (const Vec3& c : shapes.corners[k]) demand(c.allFinite(), "a corner that is not finite");
+    }
+  });
+}
+
 }  // namespace sunder::fuzz

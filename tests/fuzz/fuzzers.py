@@ -16,7 +16,7 @@ from sunder_tools.places import REPOSITORY
 from sunder_tools.words import did_you_mean
 
 # Messages get most: they come from another process. Seconds a target that ends by itself would take are not known.
-TARGETS = ("session", "replies", "bullet", "ode", "scene", "pgm", "mesh", "surface")
+TARGETS = ("session", "replies", "bullet", "ode", "scene", "pgm", "mesh", "surface", "pc2")
 DEFAULT_RUNS = 100_000
 FUZZ_PACKAGES = ("clang", "libclang-rt-dev")  # compiler; sanitizers and libFuzzer
 MOST_BYTES = 4096

@@ -23,6 +23,7 @@ const std::vector<Target>& targets() {
       {"pgm", run_pgm, nullptr},
       {"mesh", run_mesh, mutate_file},
       {"surface", run_surface, mutate_file},
+      {"pc2", run_pc2, nullptr},
 #ifdef SUNDER_CAD
       {"cad", run_cad, mutate_file},
 #endif

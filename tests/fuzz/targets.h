@@ -32,6 +32,7 @@ void run_scene(const std::uint8_t* data, std::size_t size);
 void run_pgm(const std::uint8_t* data, std::size_t size);
 void run_mesh(const std::uint8_t* data, std::size_t size);
 void run_surface(const std::uint8_t* data, std::size_t size);
+void run_pc2(const std::uint8_t* data, std::size_t size);
 void run_cad(const std::uint8_t* data, std::size_t size);
 std::string mutate_session(const std::string& bytes, std::size_t most, unsigned seed);
 std::string mutate_reply(const std::string& bytes, std::size_t most, unsigned seed);

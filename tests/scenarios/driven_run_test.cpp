@@ -148,9 +148,11 @@ TEST(Deforming, SurfacePressesTheSheetAndItsWorkIsBooked) {
   arch::Mesh larger = arch::mesh();
   for (Vec3& p : larger.points) p = Vec3(0.03, 0.015, 0) + 1.2 * (p - Vec3(0.03, 0.015, 0));
   const std::map<std::string, std::string> files{{"arch.off", arch::off(arch::mesh())},
-                                                 {"larger.off", arch::off(larger)}};
+                                                 {"larger.off", arch::off(larger)},
+                                                 {"grows.pc2", arch::pc2({arch::mesh().points, larger.points}, 0, 1)}};
   for (const char* how :
-       {"inflate { } inflate { time_s: 0.02 distance_m: 0.008 }", "shapes { time_s: 0.02 path: \"larger.off\" }"}) {
+       {"inflate { } inflate { time_s: 0.02 distance_m: 0.008 }", "shapes { time_s: 0.02 path: \"larger.off\" }",
+        "cache { path: \"grows.pc2\" frames_per_second: 50 }"}) {
     WatchedRun end;
     const std::string failure = run_text(
         grown(how), "bullet", [](double, double, const std::vector<const RigidBody*>&) {}, &end, {}, files);

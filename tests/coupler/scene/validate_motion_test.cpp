@@ -1,4 +1,9 @@
 // Bodies that follow a prescribed motion or change their shape: refusals with field and remedy.
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "coupler/scene/mesh.h"
 #include "tests/coupler/arch.h"
 #include "tests/coupler/small_scene.h"
 
@@ -221,6 +226,99 @@ TEST(Deformation, ShapesHaveThePointsAndFacesOfTheMesh) {
                  {"cannot be read"});
   expect_refusal(deforming(files, "shapes { path: \"" + files.name(1) + "\" }"),
                  "bodies[0].deformation.shapes[0].time_s", {"give a later time"});
+}
+
+// The points of the arch, and of an arch that has grown by a fifth.
+std::vector<std::vector<sunder::Vec3>> growing() {
+  std::vector<std::vector<sunder::Vec3>> out(2, arch::mesh().points);
+  for (sunder::Vec3& p : out[1]) p *= 1.2;
+  return out;
+}
+
+TEST(Deformation, OfACacheIsThatOfItsShapes) {
+  Files files;
+  files.write("arch.obj", arch::obj(arch::mesh()));
+  arch::Mesh larger = arch::mesh();
+  larger.points = growing()[1];
+  files.write("larger.obj", arch::obj(larger));
+  files.write("grows.pc2", arch::pc2(growing(), 5.0f, 2.5f));
+  const auto read = [&](const std::string& deformation) {
+    const std::string path = own_file("scene.textproto");
+    std::ofstream(path) << deforming(files, deformation);
+    const auto scene = sunder::scene::load(path, {});
+    std::remove(path.c_str());
+    return sunder::scene::read_shapes(scene, "bodies[0]", scene.message.bodies(0));
+  };
+  const std::string cache = "cache { path: \"" + files.name(2) + "\" frames_per_second: 10 ";
+  const auto shapes = read("shapes { time_s: 0.5 path: \"" + files.name(1) + "\" }");
+  const auto cached = read(cache + "}");
+  EXPECT_EQ(cached.times, (std::vector<double>{0.5, 0.75}));
+  EXPECT_EQ(read(cache + "time_s: 0 }").times, (std::vector<double>{0.0, 0.25}));
+  ASSERT_EQ(cached.corners.size(), shapes.corners.size());
+  EXPECT_EQ(cached.surface.triangles, shapes.surface.triangles);
+  for (std::size_t k = 0; k < shapes.corners.size(); ++k) {
+    ASSERT_EQ(cached.corners[k].size(), shapes.corners[k].size());
+    for (std::size_t i = 0; i < shapes.corners[k].size(); ++i)  // single precision
+      EXPECT_LT((cached.corners[k][i] - shapes.corners[k][i]).norm(), 1e-8);
+  }
+  EXPECT_EQ(cached.surface.corners, cached.corners[0]);
+  EXPECT_EQ(refusal(deforming(files, cache + "}")).kind, "accepted") << refusal(deforming(files, cache + "}")).what();
+}
+
+TEST(Deformation, OfACacheThatDoesNotFitIsRefused) {
+  Files files;
+  files.write("arch.obj", arch::obj(arch::mesh()));
+  const std::string good = arch::pc2(growing(), 0.0f, 12.0f), field = "bodies[0].deformation.cache";
+  const auto expect = [&](const std::string& bytes, const std::vector<std::string>& words,
+                          const std::string& more = "frames_per_second: 24") {
+    files.write(fmt::format("cache{}.pc2", files.names.size()), bytes);
+    const std::string scene =
+        deforming(files, "cache { path: \"" + files.name(files.names.size() - 1) + "\" " + more + " }");
+    if (words.empty())
+      EXPECT_EQ(refusal(scene).kind, "accepted") << refusal(scene).what();
+    else
+      expect_refusal(scene, field + ".path", words);
+  };
+  const auto with = [&](std::size_t at, auto number) {
+    std::string out = good;
+    std::memcpy(&out[at], &number, sizeof number);
+    return out;
+  };
+  expect(good, {});
+  expect("", {"is no PC2 file", "export the animation as PC2"});
+  expect(good.substr(0, 31), {"is no PC2 file"});
+  expect(with(3, 'X'), {"is no PC2 file"});
+  expect(with(12, std::int32_t{2}), {"is of version 2", "version 1 is read"});
+  for (const std::int32_t points : {15, 17, 0, -16, 0x7fffffff})
+    expect(with(16, points), {fmt::format("has {} points, and '", points), "has 16", "without modifiers"});
+  for (const std::int32_t samples : {0, -1, 1001, 0x7fffffff})
+    expect(with(28, samples), {fmt::format("has {} samples; give 1 to 1000", samples), "fewer samples"});
+  for (const std::int32_t samples : {1, 3, 1000}) expect(with(28, samples), {"bytes, and", "is the copy whole?"});
+  expect(good.substr(0, good.size() - 1), {"has 415 bytes, and 2 samples of 16 points take 416"});
+  expect(good + "x", {"has 417 bytes"});
+  for (const float rate : {0.0f, -1.0f, std::nanf(""), std::numeric_limits<float>::infinity()})
+    expect(with(24, rate), {"frames from sample to sample", "sample rate above 0"});
+  expect(with(20, -10.0f), {"begins at frame -10, before time 0", "time_s"});
+  expect(with(20, -10.0f), {}, "frames_per_second: 24 time_s: 0.1");
+  expect(with(20, std::nanf("")), {"time_s"});
+  expect(with(24, 1e-30f), {"times must rise"}, "frames_per_second: 24 time_s: 0.1");
+  expect(with(32 + 12 * (16 + 2) + 4, std::nanf("")), {"sample 2, point 3: (", "is scale right?"});
+  expect(with(32 + 12 * (16 + 2) + 4, 1e30f), {"sample 2, point 3: ("});
+  expect(with(32 + 12 * 16, 0.2f),
+         {"sample 2 is no shape of this body", "crosses itself", "mend that in the animation"});
+  auto turned = growing();
+  for (sunder::Vec3& p : turned[1]) p.z() = arch::kHigh - p.z();
+  expect(arch::pc2(turned, 0.0f, 12.0f), {"sample 2 turns 'ball' inside out"});
+  const std::string path = "path: \"" + files.name(1) + "\" ";
+  expect_refusal(deforming(files, "cache { frames_per_second: 24 }"), field + ".path", {"name a PC2 file"});
+  expect_refusal(deforming(files, "cache { " + path + "}"), field + ".frames_per_second", {"is missing", "24 or 25"});
+  for (const char* rate : {"0", "-24", "nan", "2e6"})
+    expect_refusal(deforming(files, "cache { " + path + "frames_per_second: " + rate + " }"),
+                   field + ".frames_per_second", {"give more than 0, and at most 1e+06"});
+  expect_refusal(deforming(files, "cache { " + path + "frames_per_second: 24 time_s: -1 }"), field + ".time_s",
+                 {"give seconds from 0 on"});
+  expect_refusal(deforming(files, "inflate { } cache { " + path + "frames_per_second: 24 }"), "bodies[0].deformation",
+                 {"both inflate and cache", "give one of them"});
 }
 
 }  // namespace
