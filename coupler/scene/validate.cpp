@@ -394,6 +394,10 @@ void fracture(const Scene& s) {
   if (r.has_quiet_time_s()) positive(s, "fracture.quiet_time_s", true, r.quiet_time_s(), "s");
   if (r.has_latest_freeze_s()) positive(s, "fracture.latest_freeze_s", true, r.latest_freeze_s(), "s");
   if (r.has_interlock_opening_m()) positive(s, "fracture.interlock_opening_m", true, r.interlock_opening_m(), "metres");
+  const bool faces =
+      r.has_interlock() ? r.interlock() : r.mode() != proto::Fracture::DAMAGE && r.mode() != proto::Fracture::CUTS;
+  s.check(!r.has_interlock_opening_m() || faces, "fracture.interlock_opening_m",
+          "is for crack faces that bear on each other; give interlock: true, or leave it out");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -223,8 +224,9 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   material.toughening = mat.toughening();
   if (mat.has_branch_drive()) material.branch_drive = mat.branch_drive();
   if (mat.has_crack_friction()) material.crack_friction = mat.crack_friction();
-  material.crushing_strength =
-      mat.has_crushing_strength() ? mat.crushing_strength() : kCrushingOverStrength * mat.strength();
+  material.crushing_strength = mat.has_crushing_strength() ? mat.crushing_strength()
+                               : mat.has_strength()        ? kCrushingOverStrength * mat.strength()
+                                                           : std::numeric_limits<double>::infinity();
   material.weibull_modulus = mat.weibull_modulus();
   material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : kFlawSpacing;
   material.mass_damping = mat.mass_damping_per_s();

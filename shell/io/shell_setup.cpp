@@ -21,8 +21,6 @@ void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
   scene.check(width >= cell * (1.0 - 1e-9), "fracture.damage_width_m",
               "is {:.3g} m; damage cannot localise in less than a Gauss point's cell, {:.3g} m", width, cell);
   for (const auto& [given, field] : {std::pair{m.fracture().has_tip_radius_m(), "tip_radius_m"},
-                                     std::pair{m.fracture().has_interlock_opening_m(), "interlock_opening_m"},
-                                     std::pair{m.fracture().has_interlock(), "interlock"},
                                      std::pair{m.fracture().has_branch_ratio(), "branch_ratio"}})
     scene.check(!given, std::string("fracture.") + field, "is for mode TIPS; leave it out");
   const ShellMaterial& q = s.material;
@@ -49,6 +47,7 @@ void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
       q.fracture_energy * coarse);
   if (m.fracture().has_extract_cracks()) r.fracture.damage.extract = m.fracture().extract_cracks();
   r.fracture.tips = make_crack_rules(s, 0.0);  // for the speed of crack ends
+  r.fracture.damage.faces = m.fracture().interlock();
 }
 
 void set_tips(const scene::LoadedScene& scene, ShellSetup& r) {
@@ -58,7 +57,6 @@ void set_tips(const scene::LoadedScene& scene, ShellSetup& r) {
   scene.check(r.fracture.tips.tip_radius >= s.spacing, "fracture.tip_radius_m",
               "is {} m; a tip looks at the stress over at least one spacing, {:.3g} m", r.fracture.tips.tip_radius,
               s.spacing);
-  if (m.fracture().has_interlock_opening_m()) r.fracture.tips.faces = {m.fracture().interlock_opening_m()};
   if (m.fracture().has_branch_ratio()) r.fracture.tips.branch_ratio = m.fracture().branch_ratio();
   if (m.fracture().has_interlock()) r.fracture.tips.interlock = m.fracture().interlock();
 }
@@ -173,6 +171,9 @@ ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell
     r.fracture.mode = FractureMode::kTips;
     set_tips(scene, r);
   }
+  r.fracture.cut_faces = m.fracture().interlock() && (mode == proto::Fracture::CUTS || mode == proto::Fracture::DAMAGE);
+  r.fracture.tips.faces = {0.0, kInterlockOpening};
+  if (m.fracture().has_interlock_opening_m()) r.fracture.tips.faces = {m.fracture().interlock_opening_m()};
   return r;
 }
 

@@ -297,8 +297,22 @@ double energy_of(const ShellModel& m, const Gap& gap, const Interlock& lock) {
 }  // namespace
 
 double closing_depth(const ShellModel& m) {
-  return std::min(kClosingDepth * m.material.strength / m.material.youngs_modulus, kMostClosing) * m.spacing;
+  const double strength = m.material.strength;
+  const double share = strength > 0.0 ? kClosingDepth * strength / m.material.youngs_modulus : kMostClosing;
+  return std::min(share, kMostClosing) * m.spacing;
 }
+
+namespace {
+
+// The gap across at a point of contact in the shell at rest [m]. A crack from damage is born open, by what the damaged
+// band has been stretched.
+double closed(const ShellModel& m, const ShellState& s, Interlock& lock, int face) {
+  for (int side = 0; side < 2; ++side)
+    lock.strips[side] = packed(side == 0 ? lock.plus : lock.minus, m.tables.component_stride);
+  return gap_at(gap_of(m, s, lock, m.rest.data()), face)[0];
+}
+
+}  // namespace
 
 bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   if (!attach(m, s, lock)) return false;
@@ -308,6 +322,7 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   bool finite = lock.origin.allFinite();
   for (int face = 0; face < 2; ++face) {  // one-sided shape functions do not meet to round-off
     lock.points[face].rest = gap_at(gap, face);
+    if (s.weakens()) lock.points[face].rest[0] = std::min(lock.points[face].rest[0], closed(m, s, lock, face));
     finite = finite && lock.points[face].rest.allFinite();
   }
   return finite;

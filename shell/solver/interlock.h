@@ -20,8 +20,9 @@ struct InterlockLaw {
 /// they were open and bore nothing.
 double closing_depth(const ShellModel& model);
 
-/// Puts the two sides of an edge in contact as they stand: the springs start without force. False where a side sees too
-/// few control points.
+/// Puts the two sides of an edge in contact as they stand: the springs start without force. Where damage weakens the
+/// shell they close where they do at rest, since damage has opened them before. False where a side sees too few control
+/// points.
 bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 
 /// Whether the edges from `first` on hide control points that a face uses.

@@ -36,6 +36,7 @@ struct DamageRules {
   double brittleness = 0.0;                // H of paper eq. 9
   bool heals = true;                       // as the stress falls
   bool extract = true;                     // cracks, where damage is complete
+  bool faces = false;                      // of its cracks bear on each other
   double spent_beside = kSpentBeside;      // [spacings]
   double shortest_line = kShortestLine;    // [spacings]
   double spur = kSpur;                     // [spacings]
@@ -72,7 +73,9 @@ enum class FractureMode {
 /// All that decides how a shell cracks. Which criteria are at work follows from it (criteria.h).
 struct FractureRules {
   FractureMode mode = FractureMode::kNone;
-  CrackRules tips{};     // of every mode but kNone: the interval between two looks is that of tips
+  bool cut_faces = false;  // faces of prescribed cuts bear on each other
+  // Of every mode but kNone: the interval between two looks is that of tips. `tips.faces` is of all modes.
+  CrackRules tips{};
   DamageRules damage{};  // of kDamage
   std::vector<PrescribedCut> cuts{};
 

@@ -37,7 +37,11 @@ int propose_edges(const CrackLook& look, CrackMoment moment) {
   each_criterion(look.rules, [&](const Criterion& c) {
     if (c.moment == moment) inserted += c.propose(look);
   });
-  if (moment == CrackMoment::kLook && !look.state.cracks.interlocks.empty())
+  const auto all = all_criteria();
+  const bool looks = std::any_of(all.begin(), all.end(), [&](const Criterion& c) {
+    return c.moment == CrackMoment::kLook && c.asked(look.rules);
+  });  // else faces are of cuts alone
+  if ((moment == CrackMoment::kLook || !looks) && !look.state.cracks.interlocks.empty())
     release_interlocks(look.model, look.state, look.rules.tips.faces, false);
   return inserted;
 }

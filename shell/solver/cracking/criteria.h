@@ -53,8 +53,8 @@ bool can_crack(const FractureRules& rules);
 /// Share of a new stress in the running mean, the largest that a criterion asks for; 0: none looks at it.
 double stress_share(const FractureRules& rules, const ShellModel& model, double dt);
 
-/// All criteria of the moment propose in turn. At a look, faces that no longer bear are released afterwards. Returns
-/// the number of edges inserted.
+/// All criteria of the moment propose in turn. At a look, or at a window's start where no criterion has looks, faces
+/// that no longer bear are released afterwards. Returns the number of edges inserted.
 int propose_edges(const CrackLook& look, CrackMoment moment);
 
 }  // namespace sunder::shell

@@ -71,14 +71,14 @@ std::vector<End> open_ends(const ShellModel& m, const CrackGraph& g) {
 }
 
 // Inserts the straight way from `from` to the vertex `to`, in edges of about kEdgeLength.
-int insert_way(const ShellModel& m, ShellState& s, const End& from, int to, double time) {
+int insert_way(const ShellModel& m, ShellState& s, const End& from, int to, double time, bool faces) {
   const Vec2 b = s.cracks.graph.vertices()[to];
   const int pieces = std::max(1, static_cast<int>(std::lround((b - from.p).norm() / (kEdgeLength * m.spacing))));
   int inserted = 0, last = from.vertex;
   for (int k = 1; k <= pieces; ++k) {
     const int next =
         k == pieces ? to : s.cracks.graph.add_vertex(from.p + (b - from.p) * (static_cast<double>(k) / pieces));
-    inserted += insert_edge(m, s, last, next, from.crack, time, 0, false) >= 0;
+    inserted += insert_edge(m, s, last, next, from.crack, time, 0, faces) >= 0;
     last = next;
   }
   return inserted;
@@ -129,7 +129,7 @@ int join(const ShellModel& m, ShellState& s, const DamageRules& r, const DamageL
     break;
   }
   if (!found) return 0;
-  return insert_way(m, s, end, vertex >= 0 ? vertex : s.cracks.graph.add_vertex(target), time);
+  return insert_way(m, s, end, vertex >= 0 ? vertex : s.cracks.graph.add_vertex(target), time, r.faces);
 }
 
 const std::vector<double>* plastic_states(const ShellState& s) { return s.yields() ? &s.layers.plastic : nullptr; }
@@ -172,7 +172,7 @@ int run_on(const ShellModel& m, ShellState& s, const DamageRules& r, const Damag
   const Vec2 p = end.p + kEdgeLength * l * turned(end.ahead, std::clamp(turn, -r.turn, r.turn));
   if (!m.patch.contains(p) || !s.cracks.graph.visible(end.p, p, end.edge))
     return 0;  // join() lets it run out, or ends it
-  return insert_edge(m, s, end.vertex, s.cracks.graph.add_vertex(p), end.crack, time, 0, false) >= 0;
+  return insert_edge(m, s, end.vertex, s.cracks.graph.add_vertex(p), end.crack, time, 0, r.faces) >= 0;
 }
 
 // Inserts the middle lines of damaged regions that belong to no crack yet.
@@ -201,7 +201,7 @@ int insert_lines(const ShellModel& m, ShellState& s, const DamageRules& r, const
     int last = end(line.front(), points.front());
     for (std::size_t k = 1; k < points.size(); ++k) {
       const int next = k + 1 == points.size() ? end(line.back(), points.back()) : s.cracks.graph.add_vertex(points[k]);
-      if (next != last) inserted += insert_edge(m, s, last, next, crack, time, 0, false) >= 0;
+      if (next != last) inserted += insert_edge(m, s, last, next, crack, time, 0, r.faces) >= 0;
       last = next;
     }
   }
@@ -226,7 +226,7 @@ int start_broad(const ShellModel& m, ShellState& s, const DamageRules& r, const 
   if (most <= 0.0) return 0;
   const int a = s.cracks.graph.add_vertex(p - 0.5 * kEdgeLength * m.spacing * crack);
   const int b = s.cracks.graph.add_vertex(p + 0.5 * kEdgeLength * m.spacing * crack);
-  return insert_edge(m, s, a, b, s.cracks.graph.new_crack(), time, 0, false) >= 0;
+  return insert_edge(m, s, a, b, s.cracks.graph.new_crack(), time, 0, r.faces) >= 0;
 }
 
 // A point that is stretched far beyond complete damage and was not cut becomes rubble: it bears no tension any more,

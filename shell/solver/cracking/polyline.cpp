@@ -70,7 +70,7 @@ bool has_left(const ShellModel& m, const ShellState& s, const Vec2& p) {
 
 }  // namespace
 
-void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>& points, double time) {
+void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>& points, double time, bool interlock) {
   const int crack = s.cracks.graph.new_crack(), earlier = static_cast<int>(s.cracks.graph.vertices().size());
   const auto run_out = [&](Vec2 end, const Vec2& from) {
     const Vec2 d = (end - from).normalized();
@@ -119,7 +119,7 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
     go_to(at_end && closed ? first : vertex_at(b));
   }
   for (const auto& [from, to] : edges)
-    if (from != to && !has_edge(s.cracks.graph, from, to)) insert_edge(m, s, from, to, crack, time, 0, false);
+    if (from != to && !has_edge(s.cracks.graph, from, to)) insert_edge(m, s, from, to, crack, time, 0, interlock);
 }
 
 namespace {
@@ -133,7 +133,7 @@ int make_cuts(const CrackLook& k) {
     const PrescribedCut& cut = k.rules.cuts[i];
     if (s.cracks.cut_done[i] || cut.time > k.time + k.span) continue;
     const int before = edges();
-    for (const auto& line : cut.lines) insert_polyline(k.model, s, line, k.time);
+    for (const auto& line : cut.lines) insert_polyline(k.model, s, line, k.time, k.rules.cut_faces);
     if (k.on_edges) k.on_edges->insert(k.on_edges->end(), cut.on_edges.begin(), cut.on_edges.end());
     if (!cut.goes_on) made.emplace_back(before, edges());
     s.cracks.cut_done[i] = 1;

@@ -13,6 +13,7 @@ Criterion prescribed_cuts();
 /// border run out over it. Ends on another crack (to a fiftieth of a spacing) end just past it. Vertices of other
 /// cracks so near to the polyline become its own. An edge that is there is not cut again. Where the last point is
 /// exactly the first, the cut is closed and ends in the vertex where it began.
-void insert_polyline(const ShellModel& model, ShellState& state, const std::vector<Vec2>& points, double time);
+void insert_polyline(const ShellModel& model, ShellState& state, const std::vector<Vec2>& points, double time,
+                     bool interlock = false);
 
 }  // namespace sunder::shell

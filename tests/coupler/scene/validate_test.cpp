@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
              "poisson_ratio: 0.22 strength: 6e7 fracture_energy: 8 }\nfracture { mode: DAMAGE damage_width_m: 1e-9 }",
              5, "cannot localise"},
         Case{"DamageWithAFieldOfTips", "poisson_ratio: 0.22 }",
-             "poisson_ratio: 0.22 strength: 6e6 fracture_energy: 8 }\nfracture { mode: DAMAGE interlock: true }", 5,
+             "poisson_ratio: 0.22 strength: 6e6 fracture_energy: 8 }\nfracture { mode: DAMAGE branch_ratio: 2 }", 5,
              "is for mode TIPS"},
         Case{"LoadOutsideThePatch", "elements_y: 16 }\n", "elements_y: 16 }\n  loads { point { at { u: 9 } } }\n", 10,
              "outside the patch"},

@@ -355,7 +355,9 @@ TEST(DuctileLayers, ATornBarStoresWhatTearingTookHoweverFarItIsStretchedAndFlows
         const double pressed = 0.5 * kYieldStress * kYieldStress / kYoung * volume;  // elastic, across
         const double flow = kYieldStress * (kPressed - kYieldStress / kYoung) * volume;
         EXPECT_NEAR(s.book.plastic / flow, 1.0, 0.06) << at;  // finite against small strain
-        if (heals) EXPECT_NEAR(energy / tearing, 1.0 + pressed / tearing, 0.03) << at;
+        if (heals) {
+          EXPECT_NEAR(energy / tearing, 1.0 + pressed / tearing, 0.03) << at;
+        }
         const double metric = 1.0 + s.layers.plastic[m.tables.at(0, 8, 0, 0)];
         EXPECT_GT(metric, 4.0) << at;
         go(along, green(std::exp(-kPressed) * (1.0 + kYieldStress / kYoung)), 1);

@@ -1,10 +1,13 @@
 #include "shell/solver/interlock.h"
 #include "shell/solver/forces.h"
 
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include <gtest/gtest.h>
 
+#include "shell/solver/cracking/criteria.h"
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
@@ -432,4 +435,66 @@ TEST(Interlock, FacesThatRememberTheirVisibilityGoOnAsThoseThatLookAnew) {
   EXPECT_EQ(s.book.fracture, anew.book.fracture);
   EXPECT_GT(changed, 0);
   EXPECT_GT(kept, 0);
+}
+
+// A cut of the scene through a sheet without a strength, in mode CUTS.
+TEST(Interlock, FacesOfACutBearPressureWhereTheyAreAskedFor) {
+  ShellModel m = sheet(std::numeric_limits<double>::infinity());
+  m.material.strength = 0.0;
+  for (const bool asked : {true, false}) {
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    FractureRules rules;
+    rules.cuts = {{{{{0.05, 0.0}, {0.05, 0.08}}}, {}, 0.0}};
+    rules.cut_faces = asked, rules.tips.faces = {1e-4, 0.0};
+    s.cracks.cut_done.assign(1, 0);
+    std::uint64_t random = 0;
+    const CrackLook look{m, s, rules, 0.0, 1e-3, random};
+    ASSERT_GT(propose_edges(look, CrackMoment::kWindow), 10);
+    EXPECT_EQ(s.cracks.interlocks.empty(), !asked);
+    const double pressed = 1e-4;
+    part(m, s, {-pressed, 0, 0});
+    forces_of_faces(m, s);
+    // they grow stiff over the depth of closing, and bear as springs beyond
+    const double force = asked ? face_stiffness(s) * (pressed - 0.5 * closing_depth(m)) : 0.0;
+    EXPECT_NEAR(on_the_right(m, s).x(), force, 1e-6 * force + 1e-9);
+    part(m, s, {pressed + 0.5e-4, 0, 0});
+    forces_of_faces(m, s);
+    EXPECT_NEAR(on_the_right(m, s).x(), 0.0, 1e-9);
+    EXPECT_EQ(propose_edges(look, CrackMoment::kWindow), 0);
+    for (const Interlock& lock : s.cracks.interlocks) EXPECT_TRUE(lock.holds);
+    part(m, s, {-0.6e-4, 0, 0});  // they meet again
+    forces_of_faces(m, s);
+    EXPECT_GE(on_the_right(m, s).x(), 0.01 * force);
+    part(m, s, {2e-4, 0, 0});
+    forces_of_faces(m, s);
+    propose_edges(look, CrackMoment::kWindow);
+    for (const Interlock& lock : s.cracks.interlocks) EXPECT_FALSE(lock.holds);
+  }
+}
+
+// Damage has opened the band in which a crack is cut: the faces meet where they did at rest.
+TEST(Interlock, FacesFromDamageCloseAsAtRest) {
+  const ShellModel m = sheet();
+  for (const bool weakens : {true, false}) {
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    if (weakens) s.layers.brittleness = 0.4;
+    ASSERT_EQ(s.weakens(), weakens);
+    part(m, s, {1e-3, 0, 0});
+    crack(m, s, {0.05, -0.002}, {0.05, 0.082});
+    ASSERT_GT(s.cracks.interlocks.size(), 10u);
+    const double full = face_stiffness(s) * 4e-4;
+    const auto borne = [&](double by) {
+      part(m, s, {by, 0, 0});
+      forces_of_faces(m, s);
+      return on_the_right(m, s).x();
+    };
+    EXPECT_NEAR(borne(0.0), 0.0, 1e-6 * full);
+    const double half_closed = borne(-5e-4);
+    if (weakens) {
+      EXPECT_NEAR(half_closed, 0.0, 1e-6 * full);
+    } else {
+      EXPECT_GT(half_closed, 0.1 * full);
+    }
+    EXPECT_GT(borne(-9e-4), 0.5 * full);  // 0.4 mm nearer than at rest
+  }
 }
