@@ -439,10 +439,13 @@ int turned(int sides) {
          (sides & kVMax ? kUMax : 0);
 }
 
+// Without a bound its error is up to 1e-4 where splines are borders, whose knots the rule then passes over.
+constexpr double kAreaError = 1e-7;  // of OpenCASCADE's area, as a share of it
+
 // Area [mm^2]. Throws Error where a face is as narrow as its border is thick: no border could be told from the other.
 double checked_area(const CadPlace& place, const TopoDS_Face& face, const Outline& o) {
   GProp_GProps properties;
-  BRepGProp::SurfaceProperties(face, properties);
+  BRepGProp::SurfaceProperties(face, properties, kAreaError);
   const double area = std::abs(properties.Mass());
   double border = 0.0;
   for (const Wire& wire : o.wires)

@@ -221,6 +221,30 @@ TEST_F(CadFace, AFreeFormSheetWithASplineAsItsBorder) {
   expect_face(faces[0], "elements_u: 32 elements_v: 32", 1e-5);
 }
 
+// Below a cubic spline y(x) over uneven knots t: its control points stand over the Greville abscissae, so x is the
+// parameter, and the area is the sum of y_i (t_(i+4) - t_i)/4.
+TEST_F(CadFace, TheAreaWithinASplineIsExact) {
+  const std::vector<double> knots{0, 2, 5, 30, 100, 110, 200}, y{0, 90, 10, 100, 20, 110, 30, 80, 0};
+  std::vector<double> t(3, knots.front());
+  t.insert(t.end(), knots.begin(), knots.end()), t.insert(t.end(), 3, knots.back());
+  const int n = static_cast<int>(y.size());
+  TColgp_Array1OfPnt points(1, n);
+  double exact = 0.0;
+  for (int i = 0; i < n; ++i) {
+    points(i + 1) = gp_Pnt((t[i + 1] + t[i + 2] + t[i + 3]) / 3.0, y[i], 0.0);
+    exact += 1e-6 * y[i] * (t[i + 4] - t[i]) / 4.0;
+  }
+  const int count = static_cast<int>(knots.size());
+  TColStd_Array1OfReal at(1, count);
+  TColStd_Array1OfInteger times(1, count);
+  for (int i = 0; i < count; ++i) at(i + 1) = knots[i], times(i + 1) = i == 0 || i + 1 == count ? 4 : 1;
+  const Handle(Geom_BSplineCurve) above = new Geom_BSplineCurve(points, at, times, 3);
+  BRepBuilderAPI_MakeWire wire(BRepBuilderAPI_MakeEdge(above).Edge(),
+                               BRepBuilderAPI_MakeEdge(points(n), points(1)).Edge());
+  write_step(BRepBuilderAPI_MakeFace(gp_Pln(), wire.Wire()).Face(), file("a.step"));
+  EXPECT_NEAR(surface("path: 'a.step' element_m: 0.005").area / exact, 1.0, 1e-9);
+}
+
 // OpenCASCADE divides such a face where its border meets itself.
 TEST_F(CadFace, ABorderThatCrossesOrTouchesItselfIsRefused) {
   const std::vector<std::pair<TopoDS_Face, const char*>> faces{
