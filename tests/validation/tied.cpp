@@ -1,5 +1,5 @@
 // Tied surfaces: plates and roofs of pieces that meet along curved trims, against the same surface in one piece.
-#include "tests/validation/tied.h"
+#include "tests/validation/tied_pieces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "shell/geometry/builders.h"
-#include "shell/geometry/trim_seams.h"
-#include "shell/io/cad_loop.h"
-#include "tests/validation/tied_system.h"
+#include "tests/validation/tied.h"
 
 namespace sunder::validation {
 namespace {
@@ -20,44 +18,6 @@ using namespace sunder::shell;
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kRigid = 6;
-
-PlaneCurve line(const Vec2& a, const Vec2& b) {
-  return {[a, b](double t) { return Vec2(a + t * (b - a)); }, (b - a).norm(), false};
-}
-
-// The part of a patch that a border of curves leaves. Curves are over shares of a surface; `to` takes them to
-// parameters.
-struct PieceOf {
-  Patch patch;
-  std::function<Vec2(const Vec2&)> to;
-
-  CadBorder border(const PlaneCurve& c, int sides = 0) const {
-    const auto map = to;
-    CadBorder out{{[c, map](double t) { return map(c.at(t)); }, 0.0, false}, sides};
-    for (int k = 0; k < 64; ++k) out.curve.length += (out.curve.at((k + 1) / 64.0) - out.curve.at(k / 64.0)).norm();
-    return out;
-  }
-  void add_to(Pieces& out, const std::string& name, const std::vector<CadBorder>& borders, double thickness,
-              const ShellMaterial& material, const std::vector<Support>& supports,
-              const std::vector<Load>& loads) const {
-    const Patch lengths = with_parameters_as_lengths(patch);
-    const Vec2 low(lengths.knots_u.begin(), lengths.knots_v.begin()),
-        high(lengths.knots_u.end(), lengths.knots_v.end());
-    const double spacing = std::sqrt((high - low).prod() / (lengths.knots_u.spans() * lengths.knots_v.spans()));
-    const TrimLoops trims =
-        borders.empty() ? TrimLoops() : TrimLoops(low, high, {cad_loop({borders, false}, lengths, spacing)});
-    out.patches.push_back(lengths);
-    out.models.push_back(make_shell(name, patch, thickness, material, 2, patch.degree(), supports, loads, trims));
-  }
-};
-
-ShellMaterial steel() {
-  ShellMaterial m;
-  m.density = 7800.0, m.youngs_modulus = 2e11, m.poisson_ratio = 0.3;
-  return m;
-}
-
-constexpr double kThickness = 0.004;  // of the plate, whose side is 1 m [m]
 
 // Where the pieces of a plate meet, from (0, y = 0) to y = 1.
 double course(double y) { return 0.52 + 0.08 * std::sin(2.0 * kPi * y) + 0.05 * (y - 0.5); }
@@ -68,12 +28,6 @@ PlaneCurve course_curve(bool back) {
 
 const Vec2 kMiddle(0.5, 0.5), kRight(0.77, 0.51);  // of the plate, of the patch of its right piece
 constexpr double kRightSide = 1.3;                 // of that patch [m]
-
-Load point_load(const Vec2& at, double force) {
-  Load l;
-  l.point = at, l.force = Vec3(0.0, 0.0, force);
-  return l;
-}
 
 // Parameters of a place on the right piece, whose patch is turned.
 Vec2 on_right(const Vec2& x, double degrees) {
@@ -97,23 +51,14 @@ Pieces plate_pieces(int elements, double degrees, int degree) {
   a.add_to(out, "left",
            {a.border(line({0, 0}, {c0, 0}), kVMin), a.border(course_curve(false)),
             a.border(line({c1, 1}, {0, 1}), kVMax), a.border(line({0, 1}, {0, 0}), kUMin)},
-           kThickness, steel(), {}, {point_load(kMiddle, 1.0), point_load({0, 0}, -0.25), point_load({0, 1}, -0.25)});
+           kTiedThickness, steel(), {},
+           {point_load(kMiddle, 1.0), point_load({0, 0}, -0.25), point_load({0, 1}, -0.25)});
   b.add_to(out, "right",
            {b.border(line({c0, 0}, {1, 0})), b.border(line({1, 0}, {1, 1})), b.border(line({1, 1}, {c1, 1})),
             b.border(course_curve(true))},
-           kThickness, steel(), {},
+           kTiedThickness, steel(), {},
            {point_load(on_right({1, 0}, degrees), -0.25), point_load(on_right({1, 1}, degrees), -0.25)});
   out.find_seams();
-  return out;
-}
-
-Pieces whole_plate(int elements, int degree) {
-  const PieceOf a{plate(1.0, 1.0, elements, elements, Vec3(0.5, 0.5, 0.0), Quat::Identity(), degree), {}};
-  std::vector<Load> loads{point_load(kMiddle, 1.0)};
-  for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)})
-    loads.push_back(point_load(corner, -0.25));
-  Pieces out;
-  a.add_to(out, "plate", {}, kThickness, steel(), {}, loads);
   return out;
 }
 
@@ -122,15 +67,14 @@ void tied_plate(Report& r, int threads, double degrees, int degree) {
   constexpr double kHeld = 1e-4;  // of the lowest eigenvalue: stiffness in proportion to the mass holds rigid motions
   const std::string name = fmt::format("tied_{}{:.0f}", degree == 3 ? "cubic_" : "", degrees);
   const double start = seconds_now();
-  const double bending = steel().youngs_modulus * std::pow(kThickness, 3) / (12.0 * (1.0 - 0.09));
-  const double slow = 100.0 * bending / (steel().density * kThickness);
+  const double slow = slow_of_plate();
   const Pieces pieces = plate_pieces(kElements, degrees, degree), one = whole_plate(2 * kElements, degree);
   r.add(name + "_seams", static_cast<double>(pieces.stitches.seams.size()), 1.0, 0.0, 0.0);
   TiedSystem tied(pieces), whole(one);
   double mass = 0.0;
   for (const ShellModel& m : pieces.models)
     for (const double part : m.mass) mass += part;
-  r.add(name + "_mass", mass, steel().density * kThickness, 1e-6, 0.0);
+  r.add(name + "_mass", mass, steel().density * kTiedThickness, 1e-6, 0.0);
   const Eigen::VectorXd u = tied.solve(tied.load(), kHeld * slow), v = whole.solve(whole.load(), kHeld * slow);
   double bent = tied.value(u, 0, kMiddle, 2), wanted = whole.value(v, 0, kMiddle, 2);
   for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)}) {
@@ -224,6 +168,7 @@ std::vector<Case> tied_cases() {
   out.push_back({"tied_roof", "the Scordelis-Lo roof of two pieces that meet along a curve", tied_roof});
   out.push_back({"tied_cubic_17", "the plate of tied_17, degree 3",
                  [](Report& r, int threads) { tied_plate(r, threads, 17.0, 3); }});
+  for (Case& c : tied_grid_cases()) out.push_back(std::move(c));
   return out;
 }
 
