@@ -10,6 +10,7 @@ import struct
 import subprocess
 import tracemalloc
 import unittest
+from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
@@ -122,6 +123,28 @@ class Stills(OfARun):
         self.assertTrue(scene.solid.is_floor.any() and len(scene.glass.triangles))
         low, high = boxes(frame, [scene])[1]
         return scene, perspective_camera(low, high, np.array([1.0, 0.4, -0.5]), 400, 240)
+
+    def test_most_shards_are_in_the_picture_and_none_that_flies_far_makes_it_small(self) -> None:
+        """Twenty shards spread over twice the pane, late only; another one flies away."""
+        frame = list_frames(self.folder)[4]
+        scene = load_scene(frame)
+        shell = frame.read(0)
+        assert shell is not None
+        middle, size = 0.5 * (shell.points.min(axis=0) + shell.points.max(axis=0)), float(np.ptp(shell.points, axis=0).max())
+        turn = np.arange(20) * 0.1 * np.pi
+        corners = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]) * size
+        places = middle + size * np.stack([2.0 * np.cos(turn), 2.0 * np.sin(turn), 0.5 * np.cos(3 * turn)], 1)
+        shards = (places[:, None] + corners).reshape(-1, 3)
+        for far, reach in ((0.0, 2.1), (50.0, 2.1)):
+            away = middle + [far * size, 0, far * size] + corners
+            late = replace(scene, shards=np.concatenate([away, shards]), shard_of=np.repeat(np.arange(21), 4))
+            for scenes in ([scene, late], [scene, late, scene]):
+                low, high = boxes(frame, scenes)[1]
+                self.assertTrue(((shards >= low) & (shards <= high)).all(), "a shard is cut off")
+                self.assertLess(float(np.abs(np.array([low, high])[:, :2] - middle[:2]).max()), (reach + 0.1) * size)
+        for far, seen in ((2.5, True), (4.0, False)):  # where most of them are far away
+            late = replace(scene, shards=middle + [far * size, 0, 0] + corners, shard_of=np.zeros(4, int))
+            self.assertEqual(boxes(frame, [scene, late])[1][1][0] > middle[0] + 2.0 * size, seen)
 
     def test_bands_do_not_show(self) -> None:
         scene, camera = self.scene()

@@ -29,7 +29,10 @@ LOWER = (380, 860)             # [px] height of the crack pattern and of the sid
 NARROWEST = 300                # [px] of these
 SAMPLES = 2                    # per pixel and direction
 DIRECTION = (-0.42, 0.80, -0.46)  # of view in the panels
-FAR = 1.3  # pane widths; points further from its middle do not count for the framing
+FAR = 1.3  # pane widths; bodies further from its middle do not count for the framing, and shards but for the share
+SHOWN = 0.85     # of the corners of all shards that are in the picture at every time, whole shards
+BESIDE = 1.1     # times the distance of the last of these: others that are about as far are there too
+FARTHEST = 3.0   # pane widths: what is further away is left out all the same
 BELOW = 0.03  # of the size of what is seen: the ground, where the scene has none
 PAPER = (250, 250, 249)
 MOST_NAMED = 3  # kinds of sheets, and moving bodies, in the title
@@ -57,7 +60,7 @@ def write_contact_sheet(folder: Path) -> Path:
     sheet = Image.new("RGB", (WIDTH, top + lower.height + GAP), PAPER)
     direction = towards_what_is_hit(scenes[0], *close)
     for k, (frame, scene) in enumerate(zip(chosen, scenes)):
-        low, high = close if _within(scene.shards, *close) else wide
+        low, high = close if _within(scene.shards, *close) else boxes(frames[0], [scenes[0], scene])[1]
         samples = (size[0] * SAMPLES, size[1] * SAMPLES)
         view = _image(draw_scene(scene, perspective_camera(low, high, direction, *samples), *samples))
         _caption(view, moment_text(frame))
@@ -157,12 +160,25 @@ def boxes(first: Frame, scenes: list[Scene]) -> tuple[tuple[np.ndarray, np.ndarr
     floor = scenes[-1].floor_z
     if floor is not None and floor < centre[2]:
         low[2] = max(low[2], floor)
-    lying = [near(points, FAR * size) for points in (scenes[-1].shards, scenes[-1].moving, scenes[len(scenes) // 2].shards)]
+    lying = [near(scenes[-1].moving, FAR * size), *(_most_shards(scene, centre, FAR * size, FARTHEST * size) for scene in scenes)]
     all_ = np.concatenate([np.stack([low, high]), *lying])
     wide_low, wide_high = all_.min(axis=0), all_.max(axis=0)
     if floor is not None and floor > centre[2] - 3.0 * size:
         wide_low[2] = min(wide_low[2], floor)
     return (low, high), (wide_low, wide_high)
+
+
+def _most_shards(scene: Scene, centre: np.ndarray, near_m: float, far_m: float) -> np.ndarray:
+    """Returns the corners of shards, nearest to the centre first, up to the share that a picture shows. Those nearer than near_m
+    are all there, and none beyond far_m: a few that fly far would make all others tiny. A shard is there as a whole."""
+    if not len(scene.shards):
+        return scene.shards
+    _, piece, count = np.unique(scene.shard_of, return_inverse=True, return_counts=True)
+    reach = np.zeros(len(count))
+    np.maximum.at(reach, piece, np.linalg.norm(scene.shards - centre, axis=1))
+    order = np.argsort(reach, kind="stable")
+    enough = np.searchsorted(np.cumsum(count[order]), SHOWN * count.sum())  # with this one the share is reached
+    return scene.shards[(reach <= np.clip(BESIDE * reach[order[enough]], near_m, far_m))[piece]]
 
 
 def _within(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> bool:

@@ -64,6 +64,7 @@ class Scene:
     clear: bool = True           # glass tints and mirrors; otherwise its colours tell a quantity
     ground: Ground | None = None  # below everything
     thickness_m: float = 0.0     # of the thickest shell: lines of its middle surface are seen through half of it
+    shard_of: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))  # (n,) of `shards`: numbers, those of soft bodies < 0
 
 
 def weld(points: np.ndarray, apart: np.ndarray | None = None) -> np.ndarray:
@@ -295,7 +296,7 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
     A lone shell of which the scene is not known is drawn as glass.
     """
     glass, solid, cracks, outlines = [Surface()], [Surface()], [np.zeros((0, 2, 3))], [np.zeros((0, 2, 3))]
-    shards = moving = np.zeros((0, 3))
+    shards, shard_of, moving = np.zeros((0, 3)), np.zeros(0, np.int64), np.zeros((0, 3))
     floor_z: float | None = None
     thickness_m = 0.0
     shell = frame.read(SHELL)
@@ -337,7 +338,8 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
                     surfaces.append(_sheet(points, corners[where], colours[where], smooth, side[where]))
             normals = _surface(bodies.points, mine, colours).normals()
             outlines.append(bodies.points[piece_edges(bodies, np.flatnonzero(broken), normals)])
-        shards = bodies.points[np.unique(bodies.triangles[kind == SHARD])]
+        used, at = np.unique(bodies.triangles[kind == SHARD], return_index=True)
+        shards, shard_of = bodies.points[used], np.repeat(body[kind == SHARD], 3)[at].astype(np.int64)
         see_through = _of_bodies(body, np.array([False, *(len(colour) > 3 for colour in look.bodies)]))
         own = kind == MOVING
         moving = bodies.points[np.unique(bodies.triangles[own])]
@@ -364,5 +366,8 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
         solid[-1].smooth = normals
         # a picture must contain these
         moving, shards = np.concatenate([moving, points]), np.concatenate([shards, points])
+        own_body = np.zeros(len(points), np.int64)
+        own_body[triangles] = -1 - soft.point_data["soft_body"][particle].astype(np.int64)[:, None]
+        shard_of = np.concatenate([shard_of, own_body])
     return Scene(_join(glass), _join(solid), np.concatenate(cracks), np.concatenate(outlines), shards, moving, floor_z,
-                 CLEAR if look.by == "part" else COLOURED, look.by == "part", thickness_m=thickness_m)
+                 CLEAR if look.by == "part" else COLOURED, look.by == "part", thickness_m=thickness_m, shard_of=shard_of)
