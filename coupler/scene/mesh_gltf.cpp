@@ -24,9 +24,17 @@ constexpr std::size_t kMostNodes = 100000;                // that are visited
 // Triangles of all nodes, counted again for each node that shows them: those that are kept, and with those that have
 // two corners in one place, of which a strip has some.
 constexpr std::size_t kMostKept = kMostSurfaceTriangles, kMostSeen = 10 * kMostKept;
-// What an extension may change that shells do not look at; integers as positions are read.
-constexpr std::array<const char*, 6> kHarmless = {"KHR_materials_",        "KHR_texture_", "KHR_lights_",
-                                                  "KHR_mesh_quantization", "EXT_texture_", "KHR_animation_"};
+// Extensions that a file may require: those that are read (integers as positions, moved textures), and those that
+// change what shells do not look at, as kinds of pictures.
+constexpr std::array<const char*, 7> kFit = {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_texture_basisu",
+                                             "EXT_texture_",          "KHR_materials_",        "KHR_lights_",
+                                             "KHR_animation_"};
+
+// Which texture coordinates the picture of a material takes, and where its extension KHR_texture_transform puts them.
+struct GltfPicture {
+  std::size_t set = 0;
+  Eigen::Affine2d place = Eigen::Affine2d::Identity();
+};
 
 class Gltf {
  public:
@@ -80,7 +88,7 @@ class Gltf {
     if (!root_.contains("extensionsRequired")) return;
     for (const Json& name : list("extensionsRequired")) {
       const std::string own = name.is_string() ? name.get<std::string>() : name.dump();
-      if (std::none_of(kHarmless.begin(), kHarmless.end(), [&](const char* h) { return own.rfind(h, 0) == 0; }))
+      if (std::none_of(kFit.begin(), kFit.end(), [&](const char* h) { return own.rfind(h, 0) == 0; }))
         mesh_.fail(fmt::format(
             "needs the extension {}, which is not read; export it without {}", own,
             own.find("draco") != std::string::npos || own.find("meshopt") != std::string::npos ? "compression" : "it"));
@@ -234,8 +242,20 @@ class Gltf {
     if (const std::size_t colour = number(*attributes, "COLOR_0", of, kMissing); colour != kMissing)
       add_colours(array(colour, of, 0), first, of);
     if (!mesh_.with_faces) return;
-    const std::size_t texture = mesh_.with_texture ? number(*attributes, "TEXCOORD_0", of, kMissing) : kMissing;
-    if (texture != kMissing) add_texture(array(texture, of, 2), at.count, of);
+    FaceTag tag{groups, {}};
+    GltfPicture picture;
+    if (const std::size_t k = number(primitive, "material", of, kMissing); k != kMissing) {
+      const Json& material = element("materials", k, of);
+      tag.usemtl = name_of(material, fmt::format("material_{}", k));
+      if (mesh_.with_texture) picture = picture_of(material, fmt::format("materials[{}]", k));
+    }
+    const std::string coordinates = fmt::format("TEXCOORD_{}", picture.set);
+    const std::size_t texture = mesh_.with_texture ? number(*attributes, coordinates.c_str(), of, kMissing) : kMissing;
+    if (texture != kMissing)
+      add_texture(array(texture, of, 2), picture.place, at.count, fmt::format("{} in {}", coordinates, of));
+    else if (picture.set > 0)
+      mesh_.fail(fmt::format("has no {} in {}, which the picture of its material '{}' takes; export it again",
+                             coordinates, of, tag.usemtl));
     const int texture_first = texture == kMissing ? 0 : static_cast<int>(mesh_.texture.size() - at.count) - first;
     std::vector<std::size_t> corner(at.count);
     for (std::size_t k = 0; k < at.count; ++k) corner[k] = k;
@@ -247,9 +267,6 @@ class Gltf {
     for (const std::size_t c : corner)
       if (c >= at.count)
         mesh_.fail(fmt::format("has corner {} in {}, which has {} points; export it again", c, of, at.count));
-    FaceTag tag{groups, {}};
-    if (const std::size_t k = number(primitive, "material", of, kMissing); k != kMissing)
-      tag.usemtl = name_of(element("materials", k, of), fmt::format("material_{}", k));
     const bool mirrored = here.linear().determinant() < 0.0;
     const std::size_t faces = mode == 4 ? corner.size() / 3 : corner.size() < 3 ? 0 : corner.size() - 2;
     bound(seen_ += faces, kMostSeen);
@@ -297,14 +314,35 @@ class Gltf {
     }
   }
 
+  // Frames have one texture, so the picture is that of the base colour. Its v goes down: a turn to the left in the
+  // picture is x' = x cos + y sin.
+  GltfPicture picture_of(const Json& material, const std::string& of) const {
+    const Json none = Json::object();
+    const Json texture = material.value("pbrMetallicRoughness", none).value("baseColorTexture", none);
+    const Json moved = texture.value("extensions", none).value("KHR_texture_transform", none);
+    GltfPicture out;
+    out.set = number(moved, "texCoord", of, number(texture, "texCoord", of, 0));
+    if (const auto t = numbers(moved, "offset", 2, of); !t.empty()) out.place.translate(Vec2(t[0], t[1]));
+    if (const auto angle = moved.find("rotation"); angle != moved.end()) {
+      if (!angle->is_number())
+        mesh_.fail(fmt::format("has a KHR_texture_transform.rotation of {} in {}, which is no angle; export it again",
+                               angle->dump(), of));
+      out.place.rotate(-angle->get<double>());
+    }
+    if (const auto s = numbers(moved, "scale", 2, of); !s.empty()) out.place.scale(Vec2(s[0], s[1]));
+    return out;
+  }
+
   // One for each point; the file's v goes down, and that of a MeshFile goes up as in an OBJ file.
-  void add_texture(const Array& texture, std::size_t points, const std::string& of) {
-    if (texture.count != points ||
-        std::any_of(texture.values.begin(), texture.values.end(), [](double x) { return !std::isfinite(x); }))
-      mesh_.fail(fmt::format(
-          "has TEXCOORD_0 in {} that are no texture coordinates of its points; export it again, or without them", of));
-    for (std::size_t k = 0; k < texture.count; ++k)
-      mesh_.texture.emplace_back(texture.values[2 * k], 1.0 - texture.values[2 * k + 1]);
+  void add_texture(const Array& texture, const Eigen::Affine2d& place, std::size_t points, const std::string& of) {
+    bool good = texture.count == points;
+    for (std::size_t k = 0; k < texture.count; ++k) {
+      const Vec2 uv = place * Vec2(texture.values[2 * k], texture.values[2 * k + 1]);
+      good = good && uv.allFinite();
+      mesh_.texture.emplace_back(uv.x(), 1.0 - uv.y());
+    }
+    if (!good)
+      mesh_.fail("has " + of + " that are no texture coordinates of its points; export it again, or without them");
   }
 
   // `components`: how many the accessor must have; 0: any.

@@ -140,6 +140,64 @@ TEST_F(MeshGltf, TextureCoordinatesAreThoseOfFramesWithTheirVUp) {
   }
 }
 
+// A material's picture: offset (0.1, 0.2), scale (2, 3), and a turn by 90 degrees to the left in a picture whose v goes
+// down, which takes (1, 0) to (0, -1) and (0, 1) to (1, 0).
+std::string with_picture(const std::string& picture) {
+  std::string text =
+      replaced(with_texture(kFloats), "{ \"name\": \"clear\" }",
+               "{ \"name\": \"clear\", \"pbrMetallicRoughness\": { \"baseColorTexture\": { " + picture + " } } }");
+  text = replaced(text, "\"TEXCOORD_0\": 3 }, \"indices\": 1",
+                  "\"TEXCOORD_0\": 3, \"TEXCOORD_1\": 4 }, \"indices\": 1, \"material\": 0");
+  return replaced(text, kFloats + " }",
+                  kFloats +
+                      " }, { \"bufferView\": 3, \"byteOffset\": 32, \"componentType\": 5123, "
+                      "\"normalized\": true, \"count\": 4, \"type\": \"VEC2\" }");
+}
+std::string moved_by(const std::string& more) {
+  return "\"index\": 0, \"extensions\": { \"KHR_texture_transform\": { " + more + " } }";
+}
+
+TEST_F(MeshGltf, TheMaterialSaysWhichTextureCoordinatesAndWhereTheyAre) {
+  struct Case {
+    std::string picture;
+    Vec2 origin, along_x, along_y;  // in the file, of a square of 1 m
+  };
+  const double half = 32768.0 / 65535.0;
+  const std::string turn = "\"offset\": [ 0.1, 0.2 ], \"rotation\": 1.5707963267948966, \"scale\": [ 2, 3 ]";
+  const std::vector<Case> cases{{"\"index\": 0", {0.1, 0.2}, {0.4, 0}, {0, 0.5}},
+                                {"\"index\": 0, \"texCoord\": 1", {0, 0}, {0.5, 0}, {0, half}},
+                                {moved_by("\"texCoord\": 1"), {0, 0}, {0.5, 0}, {0, half}},
+                                {moved_by("\"offset\": [ 0.5, 0 ]"), {0.6, 0.2}, {0.4, 0}, {0, 0.5}},
+                                {moved_by("\"texCoord\": 1, " + turn), {0.1, 0.2}, {0, -1.0}, {3.0 * half, 0}}};
+  for (const Case& c : cases) {
+    const std::string text = with_picture(c.picture);
+    write("a.glb", glb(text.substr(0, text.rfind('}')) + ", \"extensionsRequired\": [ \"KHR_texture_transform\" ] }",
+                       kTextured));
+    const ShellModel m = setup("path: 'a.glb' element_m: 0.2").shells.at(1).model;
+    const Vec2 whole(m.patch.knots_u.end(), m.patch.knots_v.end());
+    for (const Vec2& share : {Vec2(0, 0), Vec2(1, 1), Vec2(0.37, 0.61)}) {
+      const Vec2 p = share.cwiseProduct(whole);
+      const Vec3 x = m.patch.evaluate(p).x;
+      const Vec2 in_file = c.origin + x.x() * c.along_x + x.y() * c.along_y;
+      EXPECT_LT((drawn_parameter(m, p) - Vec2(in_file.x(), 1.0 - in_file.y())).norm(), 1e-7) << c.picture;
+    }
+  }
+}
+
+TEST_F(MeshGltf, PicturesThatDoNotFitAreRefused) {
+  const auto refused = [&](const std::string& picture, const std::string& says) {
+    write("a.glb", glb(with_picture(picture), kTextured));
+    expect_part(refusal("path: 'a.glb' element_m: 0.2"), says);
+  };
+  refused("\"texCoord\": 2",
+          "has no TEXCOORD_2 in meshes[1].primitives[0], which the picture of its material 'clear' takes");
+  refused("\"texCoord\": -1", "materials[0].texCoord of -1");
+  refused(moved_by("\"offset\": [ 1 ]"), "materials[0].offset that are not 2 numbers");
+  refused(moved_by("\"scale\": 2"), "materials[0].scale that are not 2 numbers");
+  refused(moved_by("\"rotation\": \"left\""), "rotation of \"left\" in materials[0]");
+  refused(moved_by("\"scale\": [ 1e308, 1e308 ], \"offset\": [ 1.7e308, 1.7e308 ]"), "TEXCOORD_0");
+}
+
 TEST_F(MeshGltf, TextureCoordinatesThatDoNotFitAreRefused) {
   const std::string few = replaced(kFloats, "\"count\": 4", "\"count\": 3");
   write("a.glb", glb(with_texture(few), kTextured));
