@@ -308,9 +308,17 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
   put(2, "bodies", body_mesh(bodies, first_shard, drawn_, piece_, fields));
   if (!soft.empty()) put(3, "soft", soft_mesh(soft));
   std::vector<DrawnLine> carried;
+  VtpArray carrier{"body", 1, {}, true};  // as in bodies
   for (const RigidBody& b : bodies)
-    if (const auto it = drawn_.find(b.id); it != drawn_.end()) add_carried(b.motion, it->second.lines, carried);
-  if (!carried.empty()) put(4, "carried_cracks", line_mesh(carried));
+    if (const auto it = drawn_.find(b.id); it != drawn_.end()) {
+      add_carried(b.motion, it->second.lines, carried);
+      carrier.values.resize(carried.size(), static_cast<double>(piece_.at(b.id)));
+    }
+  if (!carried.empty()) {
+    VtpMesh cracks = line_mesh(carried);
+    cracks.cell_data.push_back(std::move(carrier));
+    put(4, "carried_cracks", std::move(cracks));
+  }
   if (fields.thick) list(thick_index_, 1, "bodies");
   if (fields.thick && !soft.empty()) list(thick_index_, 2, "soft");
   ++count_;

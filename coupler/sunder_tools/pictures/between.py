@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import BAD_INPUT, CommandError
-from .frames import BODIES, SHELL, SOFT, Frame
+from .frames import BODIES, CARRIED, CRACKS, SHELL, SOFT, Frame
 from .mesh import part_of_points
 from .meshes import reference_points
 from .motion import by_body, shell_velocity
@@ -98,11 +98,17 @@ def centre_of_sheet(points: np.ndarray, triangles: np.ndarray, rest: np.ndarray)
 
 @dataclass(frozen=True)
 class _Move:
-    """The motion of a body: its points, its centre of mass (3,) [m], its rotation (3, 3) about it, the way (3,) of it [m]."""
+    """The motion of a body: its number, its points, its centre of mass (3,) [m], its rotation (3, 3) about it, the way (3,) of
+    it [m]."""
+    body: int
     mine: np.ndarray
     centre: np.ndarray
     turn: np.ndarray
     way: np.ndarray
+
+    def moved(self, points: np.ndarray, share: float) -> np.ndarray:
+        """Returns where points (..., 3) of the body are after this share of its motion."""
+        return (points - self.centre) @ share_of_turn(self.turn, share).T + self.centre + share * self.way
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +157,7 @@ class Interval:
             if left <= RIGID * np.ptp(here, axis=0).max():
                 number[mine] = np.arange(len(mine))
                 centre, middle = centre_of_mass(here, number[bodies.triangles[body == one]]), here.mean(axis=0)
-                moves.append(_Move(mine, centre, turn, there.mean(axis=0) + turn @ (centre - middle) - centre))
+                moves.append(_Move(int(one), mine, centre, turn, there.mean(axis=0) + turn @ (centre - middle) - centre))
         return bodies, moves
 
     def shell_at(self, share: float) -> PolyData | None:
@@ -174,12 +180,37 @@ class Interval:
         bodies, moves = self._bodies
         points = bodies.points.copy()
         for move in moves:
-            arms = points[move.mine] - move.centre
-            points[move.mine] = arms @ share_of_turn(move.turn, share).T + move.centre + share * move.way
+            points[move.mine] = move.moved(points[move.mine], share)
         data = dict(bodies.point_data)
         if "displacement" in data:
             data["displacement"] = data["displacement"] + points - bodies.points
         return replace(bodies, points=points, point_data=data)
+
+    def carried_at(self, share: float) -> PolyData | None:
+        """Returns the crack lines that bodies carry, after this share of the interval. Raises VtpError, OSError."""
+        self._remember()
+        lines = self.before.read(CARRIED)
+        if lines is None or self._bodies is None or "body" not in lines.cell_data:
+            return lines
+        points, pairs, of_line = lines.points.copy(), lines.segments(), lines.cell_data["body"].astype(np.int64)
+        for move in self._bodies[1]:
+            mine = pairs[of_line == move.body].ravel()
+            points[mine] = move.moved(points[mine], share)
+        return _shifted(lines, points)
+
+    def cracks_at(self, share: float) -> PolyData | None:
+        """Returns the cracks after this share of the interval. Those of laminates move, to where the next frame has the same
+        line. Raises VtpError, OSError."""
+        lines, after = self.before.read(CRACKS), self.after.read(CRACKS)
+        if lines is None or after is None or not any(
+                mesh.point_data.get("displacement", np.zeros(0)).any() for mesh in (lines, after)):
+            return lines
+        there = {key: pair for key, pair in zip(_line_keys(after), after.segments())}
+        points = lines.points.copy()
+        for key, pair in zip(_line_keys(lines), lines.segments()):
+            if key in there:
+                points[pair] += share * (after.points[there[key]] - points[pair])
+        return _shifted(lines, points)
 
     def soft_at(self, share: float) -> PolyData | None:
         """Returns the particles after this share of the interval. Raises VtpError, OSError."""
@@ -188,6 +219,22 @@ class Interval:
             return self.before.read(SOFT)
         before, after = self._soft
         return replace(before, points=(1.0 - share) * before.points + share * after.points)
+
+
+def _line_keys(lines: PolyData) -> list[bytes]:
+    """Returns what tells a crack's line from others: its shell and the parameters of its ends."""
+    pairs = lines.segments()
+    shell = lines.cell_data.get("shell", np.zeros(len(pairs)))
+    ends_of = lines.point_data.get("parameter", reference_points(lines))[pairs].reshape(len(pairs), -1)
+    return [row.tobytes() for row in np.column_stack([shell, ends_of]).astype(float)]
+
+
+def _shifted(mesh: PolyData, points: np.ndarray) -> PolyData:
+    """Returns the mesh with its points elsewhere, and their displacements with them."""
+    data = dict(mesh.point_data)
+    if "displacement" in data:
+        data["displacement"] = data["displacement"] + points - mesh.points
+    return replace(mesh, points=points, point_data=data)
 
 
 _recent: list[Interval] = []
@@ -201,7 +248,8 @@ class Between(Frame):
 
     def read(self, part: int) -> PolyData | None:
         """As a frame of the run does it."""
-        made = {SHELL: self.interval.shell_at, BODIES: self.interval.bodies_at, SOFT: self.interval.soft_at}.get(part)
+        made = {SHELL: self.interval.shell_at, CRACKS: self.interval.cracks_at, BODIES: self.interval.bodies_at,
+                SOFT: self.interval.soft_at, CARRIED: self.interval.carried_at}.get(part)
         return made(self.share) if made is not None else super().read(part)
 
 
