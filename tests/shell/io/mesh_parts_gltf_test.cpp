@@ -7,6 +7,7 @@
 
 #include "shell/io/inspect_mesh.h"
 #include "shell/io/mesh_parts.h"
+#include "shell/solver/parting/pieces.h"
 #include "tests/shell/io/mesh_scene.h"
 
 using namespace sunder;
