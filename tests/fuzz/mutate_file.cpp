@@ -75,6 +75,8 @@ std::string mutate_file(const std::string& bytes, std::size_t most, unsigned see
         change_number(s, random);
     }
   }
+  // The first byte, which says how the rest is read, now and then: most of its other values are other formats.
+  if (!s.empty() && random() % 16 == 0) s[0] = static_cast<char>(random() % 256);
   if (s.size() > most) s.resize(most);
   return s;
 }
