@@ -15,6 +15,7 @@
 #include "shell/io/build_seams.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
+#include "shell/io/mesh_parts.h"
 #include "shell/io/part_names.h"
 #include "shell/io/space_places.h"
 #include "shell/io/strength_factors.h"
@@ -292,6 +293,15 @@ void add_shells(const scene::LoadedScene& scene, const std::vector<ScenePart>& p
   }
 }
 
+void note_touching(const scene::LoadedScene& scene, CadFiles& files, RunSetup& r) {
+  for (int i = 0; i < scene.message.shells_size(); ++i) {
+    const proto::Shell& s = scene.message.shells(i);
+    if (!s.has_mesh()) continue;
+    const MeshShells& mesh = files.mesh(scene, fmt::format("shells[{}].mesh", i), s);
+    if (mesh.mesh.parted > 0) r.touching.push_back(touching_warning(s.name(), s.mesh().path(), mesh.mesh));
+  }
+}
+
 // What seams mean for the shells that they join: edges and ties that cracks meet, and shells that may part there.
 void note_seams(RunSetup& r) {
   for (const Seam& seam : r.stitches.seams)
@@ -423,6 +433,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   CadFiles files;
   const std::vector<ScenePart> parts = scene_parts(scene, files);
   add_shells(scene, parts, files, groups, r);
+  note_touching(scene, files, r);
   check_boxes(scene, parts, r);
   add_space_cuts(scene, parts, r);
   std::vector<const proto::Shell*> messages;

@@ -143,6 +143,7 @@ std::string mesh_warnings(const scene::LoadedScene& scene, const RunSetup& setup
 
 std::string warning_lines(const scene::LoadedScene& scene, const RunSetup& setup) {
   std::string out = mesh_warnings(scene, setup);
+  for (const std::string& warning : setup.touching) out += "warning        " + warning + "\n";
   for (const std::string& warning : {too_thick(setup.shells, setup.stitches.seams),
                                      felt_late(setup.shells, setup.bodies), never_breaks(setup.shells)})
     if (!warning.empty()) out += "warning        " + warning + "\n";

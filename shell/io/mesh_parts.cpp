@@ -142,6 +142,15 @@ std::string unit_warning(const std::string& path, double size, const std::string
                      path, size, option);
 }
 
+std::string touching_warning(const std::string& shell, const std::string& path, const TriangleMesh& mesh) {
+  const Vec3& x = mesh.first_parted;
+  return fmt::format(
+      "shell '{}': the surface of '{}' touches itself in {} point{}, the first at ({:.6g}, {:.6g}, {:.6g}) m before "
+      "its pose, and bears no load from one sheet to the other there; where sheets should join along an edge from it, "
+      "give a weld_m that is wider than the gap between them",
+      shell, path, mesh.parted, mesh.parted == 1 ? "" : "s", x.x(), x.y(), x.z());
+}
+
 proto::Shell shell_of_chart(const proto::Shell& shell, const MeshShells& mesh, int chart) {
   proto::Shell out = shell;
   const int part = mesh.charts.patches[chart].part;

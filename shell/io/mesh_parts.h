@@ -54,6 +54,9 @@ ShellMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& fi
 /// side [m], `option` what gives the unit.
 std::string unit_warning(const std::string& path, double size, const std::string& option);
 
+/// Warning of a surface that touches itself in points, in which its sheets are parted. `shell` is its name.
+std::string touching_warning(const std::string& shell, const std::string& path, const TriangleMesh& mesh);
+
 /// The shell of a chart: that of the scene with what its part of the mesh has of its own.
 proto::Shell shell_of_chart(const proto::Shell& shell, const MeshShells& mesh, int chart);
 

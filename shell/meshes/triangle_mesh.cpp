@@ -132,7 +132,7 @@ void part_fans(TriangleMesh& m) {
       for (const int t : fan)
         std::replace(m.triangles[t].begin(), m.triangles[t].end(), c, static_cast<int>(m.points.size()) - 1);
     }
-    m.parted += fans > 1;
+    if (fans > 1 && m.parted++ == 0) m.first_parted = m.points[c];
   }
 }
 

@@ -27,9 +27,10 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>>
       corner_of_file;  // of each triangle's corners: 3 t + k for corner k of file triangle t
   int components = 0;
-  int turned = 0;   // triangles that the file had the other way round
-  int welded = 0;   // points that were merged with others
-  int parted = 0;   // points in which the surface touched itself: each sheet there has its own now
+  int turned = 0;                    // triangles that the file had the other way round
+  int welded = 0;                    // points that were merged with others
+  int parted = 0;                    // points in which the surface touched itself: each sheet there has its own now
+  Vec3 first_parted = Vec3::Zero();  // the first of them [m], where the file has it
   int dropped = 0;  // triangles of the file that have two corners in one place, as at the poles of a sphere
 
   Vec3 area_vector(int t) const {

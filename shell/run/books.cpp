@@ -110,6 +110,8 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
   if (const std::string whole = never_breaks(shells); !whole.empty()) out.insert(out.begin(), whole);
   if (const std::string late = felt_late(shells, simulation.model.setup.bodies); !late.empty())
     out.insert(out.begin(), late);
+  const std::vector<std::string>& touching = simulation.model.setup.touching;
+  out.insert(out.begin(), touching.begin(), touching.end());
   return out;
 }
 

@@ -379,4 +379,18 @@ TEST_F(MeshParts, AMeshWhoseUnitMayBeForgottenHasAWarning) {
   expect_part(unit_warning("a", 0.0009, "unit_m"), "'a' is taken in metres, 0.0009 m long");
 }
 
+// Two squares with a corner in common; along the edge from it a gap opens up to 0.1 mm.
+TEST_F(MeshParts, AMeshThatTouchesItselfInAPointHasAWarningAndWeldingMendsIt) {
+  write("a.off", "OFF\n7 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0\n2 1 0\n1.0001 1 0\n4 0 1 2 3\n4 1 4 5 6\n");
+  const auto told = [&](const std::string& weld, std::size_t warnings) {
+    const RunSetup r = setup("path: 'a.off' element_m: 0.1 unit_m: 1 " + weld);
+    EXPECT_EQ(r.touching.size(), warnings);
+    return check_report(scene::load(folder.path + "/scene.textproto", {}), r);
+  };
+  expect_part(told("", 1),
+              "warning        shell 'pane': the surface of 'a.off' touches itself in 1 point, the first at (1, 0, 0) m "
+              "before its pose, and bears no load from one sheet to the other there");
+  EXPECT_EQ(told("weld_m: 1e-3", 0).find("touches itself"), std::string::npos);
+}
+
 }  // namespace

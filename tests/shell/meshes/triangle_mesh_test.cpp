@@ -110,6 +110,7 @@ TEST(TriangleMesh, ASurfaceThatTouchesItselfInAPointIsPartedThere) {
                     {{{0, 1, 2}, 1}, {{0, 3, 4}, 2}, {{0, 4, 5}, 3}}};
   const TriangleMesh m = t.mesh();
   EXPECT_EQ(m.parted, 1);
+  EXPECT_EQ(m.first_parted, m.points[0]);
   EXPECT_EQ(m.components, 2);
   ASSERT_EQ(m.points.size(), 7u);
   EXPECT_EQ(m.points[6], m.points[m.triangles[0][0]]);
