@@ -191,7 +191,7 @@ def take(table: Table, executables: Executables, file: PublicFile, path: Path, f
     energy, counts, cracks = run["energy"], run["counts"], series["cracks [m]"][-1]
     assert isinstance(energy, dict) and isinstance(counts, dict)
     broken = f"broken into {counts['fragments']} pieces" if counts["fragments"] > 1 else "in one piece"
-    touched = max(series["elastic [J]"]) > 4.0 * max(series["elastic [J]"][:rests])
+    touched = max(series["elastic [J]"]) > 4.0 * max(series["elastic [J]"][:RESTS])
     table.add(f"{name}_energy", energy["residual_relative"] if touched else math.nan, 0.0, MOST_MISSING, seconds,
               note=f"struck at {SPEED:g} m/s: {broken}, {cracks:.3g} m of cracks" if touched else "the ball missed it")
 
