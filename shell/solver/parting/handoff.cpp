@@ -55,9 +55,10 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
   return {};
 }
 
-// Returns control points that stay, nearest to the piece first: at least `most` of them, or all.
+// Returns control points that stay, nearest to the piece first: at least `most` of them, or all, but none further away
+// than `farthest` [m], where that is at least the first reach.
 std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Triangulation& t, const Piece& piece,
-                            std::size_t most) {
+                            std::size_t most, double farthest = std::numeric_limits<double>::infinity()) {
   std::vector<Vec2> border;
   Eigen::AlignedBox2d box;
   for (const int i : t.triangles_of(piece.number))
@@ -67,7 +68,8 @@ std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Tria
             box.extend(border.back());
   std::vector<std::pair<double, int>> found;
   std::size_t all = most;
-  for (double reach = kBalancingReach * m.spacing; found.size() < std::min(most, all); reach *= 2.0) {
+  for (double reach = kBalancingReach * m.spacing; found.size() < std::min(most, all) && reach <= farthest;
+       reach *= 2.0) {
     found.clear(), all = 0;
     for (int i = 0; i < m.control_points(); ++i) {
       const int slot = m.tables.slot(i);
@@ -98,7 +100,8 @@ struct Leaving {
 // Returns excess momentum of a piece to control points beside it. A rigid piece with all momentum of its sources can
 // move faster than any of them: a sliver weighs less than the control points that moved for it. The piece keeps as much
 // as the sources' energy about the velocity `common` allows. The rest becomes a rigid impulse on control points of one
-// neighbouring piece.
+// neighbouring piece. No more of it is returned than lowers the energy of both: few control points far away would turn
+// ever faster to take the moment of an impulse.
 void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, const Piece& piece,
                    const std::vector<int>& beside, Leaving& p) {
   const Vec3 linear = p.momentum - p.mass * p.common;
@@ -136,9 +139,21 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
     if (can_spin()) break;
     if (!more) return;
   }
-  const double share = 1.0 - std::sqrt(p.energy / rigid);
+  double share = 1.0 - std::sqrt(p.energy / rigid);
+  const auto turn_by = [&](const Vec3& spun) -> Vec3 {
+    return spin.axes * (spin.axes.transpose() * spun).cwiseQuotient(spin.moments);
+  };
+  // The energy of both falls by `gain` a share at first, and `bend` is its second derivative.
+  const Vec3 all_turn = turn_by(p.angular + (p.centre - middle).cross(linear));
+  const double of_spin = p.angular.dot(p.inertia.ldlt().solve(p.angular));
+  double gain = p.momentum.dot(linear) / p.mass + of_spin, bend = linear.squaredNorm() / p.mass + of_spin;
+  for (const int slot : takers) {
+    const Vec3 change = linear / weight + all_turn.cross(s.position(slot) - middle);
+    gain -= s.motion.mass[slot] * change.dot(s.velocity(slot)), bend += s.motion.mass[slot] * change.squaredNorm();
+  }
+  if (0.5 * bend * share > gain) share = std::max(0.0, gain / bend);
   const Vec3 push = share * linear, spun = share * p.angular + (p.centre - middle).cross(push);
-  const Vec3 turn = spin.axes * (spin.axes.transpose() * spun).cwiseQuotient(spin.moments);
+  const Vec3 turn = turn_by(spun);
   for (const int slot : takers) s.add_velocity(slot, push / weight + turn.cross(s.position(slot) - middle));
   p.momentum -= push, p.angular -= share * p.angular;
 }
@@ -303,17 +318,25 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
     mass += s.motion.mass[slot];
     momentum += s.motion.mass[slot] * velocity_now(slot);
   }
-  std::vector<int> beside = neighbours(m, s, t, piece, kMostBalancing);
+  // Lumping puts mass no further over a crack than functions reach. What is far away has none of this piece's, and its
+  // momentum would have a long arm.
+  const double near = mass <= 0.0 ? std::numeric_limits<double>::infinity() : kBalancingReach * m.spacing;
+  std::vector<int> beside = neighbours(m, s, t, piece, kMostBalancing, near);
   std::vector<std::pair<double, Vec3>> sources;  // masses that become the piece, with their velocities
   for (const int slot : slots) sources.emplace_back(s.motion.mass[slot], velocity_now(slot));
   // Place and rotation of the piece.
   std::vector<int> fitted = slots;
-  for (std::size_t k = 0; fitted.size() < 4 && k < beside.size(); ++k) fitted.push_back(beside[k]);
+  const std::vector<int> others = fitted.size() < 4 ? neighbours(m, s, t, piece, kMostBalancing) : std::vector<int>{};
+  for (std::size_t k = 0; fitted.size() < 4 && k < others.size(); ++k) fitted.push_back(others[k]);
   ensure(!fitted.empty(), "piece {} has no control point near it", piece.number);
   Mat3 rotation;
   Vec3 from, to;
   fit_pose(m, s, fitted, rotation, from, to);
-  const Vec3 centre = to + rotation * (g.centre - from);
+  Vec3 centre = to + rotation * (g.centre - from);
+  if (beside.empty() && mass > 0.0) {  // nothing can balance it: about another centre than theirs it would spin
+    centre.setZero();
+    for (const int slot : slots) centre += s.motion.mass[slot] / mass * s.position(slot);
+  }
   Vec3 angular = Vec3::Zero();
   for (const int slot : slots) angular += s.motion.mass[slot] * (s.position(slot) - centre).cross(velocity_now(slot));
   // Lumping has put mass on the wrong side of the crack and has shifted its centre. Masses that cross the crack correct
@@ -345,7 +368,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
       parts[k] >= 0.0 ? receive(beside[k], parts[k], s.velocity(beside[k])) : give(beside[k], -parts[k], v);
     missing = 0.0;
   } else if (missing > 0.0) {
-    beside = neighbours(m, s, t, piece, kAll);
+    beside = neighbours(m, s, t, piece, kAll, near);
     for (const double least : {kMassKept, kLastMassKept})
       for (const int slot : beside) {
         const double part = std::min(missing, s.motion.mass[slot] - kept_by(m, t, slot, least));

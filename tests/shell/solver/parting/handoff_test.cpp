@@ -148,6 +148,55 @@ TEST(HandOff, ALongStripLeavesWithNoMoreEnergyThanThereWas) {
   EXPECT_LT((left.angular + spin - all.angular).norm(), 1e-12 * all.angular_scale);
 }
 
+// Two ends of a long strip whose middle has left. What one end lacks it cannot get from the other, far away.
+TEST(HandOff, APieceAloneTakesNothingFromAfar) {
+  ShellMaterial material = glass();
+  material.strength = 60e6, material.fracture_energy = 8.0;
+  const ShellModel m =
+      make_shell("p", plate(0.46, 0.04, 46, 4, Vec3::Zero(), Quat::Identity()), 0.02, material, 2, 2, {});
+  for (const bool moves_evenly : {true, false}) {
+    ShellState s = make_state(m, Vec3(3, -2, 5), 1);
+    for (const double x : {6.3 * m.spacing, 39.6 * m.spacing}) insert_polyline(m, s, {{x, 0.0}, {x, 0.04}}, 0.0);
+    std::mt19937_64 random(4);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    for (int i = 0; i < m.control_points() && !moves_evenly; ++i)
+      s.add_velocity(m.tables.slot(i), Vec3(uniform(random), uniform(random), uniform(random)));
+    compute_forces(m, s, false, 0.0, 1);
+    std::vector<Piece> pieces;
+    const Triangulation t = partition(m, s, pieces);
+    ASSERT_EQ(t.pieces, 3);
+    const auto own = [&](int piece, int point) { return t.owner[point] == piece; };
+    const int first = t.owner[0], last = t.owner[m.control_points() - 1], middle = 3 - first - last;
+    hand_off(m, s, t, pieces[middle], 7, 0.0);
+    const double before = kinetic_energy(m, s, 0.0);
+    const Totals all = totals(m, s);
+    const Motion motion = s.motion;
+    double mass = 0.0;
+    for (int i = 0; i < m.control_points(); ++i)
+      if (own(first, i)) mass += s.motion.mass[m.tables.slot(i)];
+    EXPECT_GT(std::abs(mass / (2500 * 0.02 * pieces[first].area) - 1.0), 1e-6);  // else there is nothing to test
+    const RigidBody b = hand_off(m, s, t, pieces[first], 8, 0.0).body;
+    EXPECT_NEAR(b.mass, mass, 1e-13 * mass);
+    for (int i = 0; i < m.control_points(); ++i) {
+      if (!own(last, i)) continue;
+      const int slot = m.tables.slot(i);
+      EXPECT_EQ(s.motion.mass[slot], motion.mass[slot]);
+      for (int d = 0; d < 3; ++d) {
+        const std::size_t k = d * s.motion.mass.size() + slot;
+        EXPECT_EQ(s.motion.v[k], motion.v[k]);
+      }
+    }
+    EXPECT_LE(kinetic_energy(m, s, 0.0) + b.kinetic_energy(), (1.0 + 1e-12) * before);
+    if (moves_evenly) {
+      EXPECT_LT(b.motion.angular_momentum.norm(), 1e-12 * b.mass * 6.0 * 6.0 * m.spacing);
+    }
+    const Totals left = totals(m, s);
+    const Vec3 spin = b.motion.angular_momentum + b.mass * b.motion.position.cross(b.motion.velocity);
+    EXPECT_LT((left.momentum + b.mass * b.motion.velocity - all.momentum).norm(), 1e-12 * all.momentum_scale);
+    EXPECT_LT((left.angular + spin - all.angular).norm(), 1e-12 * all.angular_scale);
+  }
+}
+
 TEST(HandOff, TheLastPieceTakesAllThatIsLeft) {
   const ShellModel m = brittle_sheet();
   for (const double share : {0.99, 1.0 + 1e-9, 1.01}) {  // what earlier pieces have not taken, too little or too much
