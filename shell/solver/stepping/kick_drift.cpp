@@ -123,24 +123,26 @@ struct Damping {
         beta > 0.0 ? beta * (s.motion.force[k] - s.motion.last_force[k]) * s.motion.inverse_mass[i] : 0.0;
     return gain - dt * alpha * s.motion.v[k];
   }
-  // Energy m v- . v+ / 2 that a change of velocity takes from points of a mass that move alike, under a force [J].
-  double taken(double mass, double velocity, double force, double change) const {
-    return -mass * change * (velocity + 0.5 * (dt * force / mass + change));
+  // Acceleration by forces alone. What seams join moves by the inverse of their common mass.
+  double acceleration(std::size_t k, std::size_t i) const { return s.motion.inverse_mass[i] * s.motion.force[k]; }
+  // Energy m v- . v+ / 2 that a change of velocity takes from a mass, as forces accelerate it [J].
+  double taken(double mass, double velocity, double acceleration, double change) const {
+    return -mass * change * (velocity + 0.5 * (dt * acceleration + change));
   }
   double taken(std::size_t k, std::size_t i) const {
-    return s.motion.inverse_mass[i] > 0.0 ? taken(s.motion.mass[i], s.motion.v[k], s.motion.force[k], change(k, i))
-                                          : 0.0;
+    if (s.motion.inverse_mass[i] == 0.0) return 0.0;
+    return taken(s.motion.mass[i], s.motion.v[k], acceleration(k, i), change(k, i));
   }
   // Of points that a support ties together: they have one velocity.
   double taken_together(std::size_t first, const std::vector<int>& slots) const {
-    double mass = 0.0, force = 0.0, momentum = 0.0, velocity = 0.0;
+    double mass = 0.0, force = 0.0, change_of = 0.0, velocity = 0.0;  // sums over masses
     for (const int slot : slots) {
       if (s.motion.inverse_mass[slot] == 0.0) continue;
       const double own = s.motion.mass[slot];
-      mass += own, force += s.motion.force[first + slot], momentum += own * change(first + slot, slot);
+      mass += own, force += own * acceleration(first + slot, slot), change_of += own * change(first + slot, slot);
       velocity += own * s.motion.v[first + slot];
     }
-    return mass > 0.0 ? taken(mass, velocity / mass, force, momentum / mass) : 0.0;
+    return mass > 0.0 ? taken(mass, velocity / mass, force / mass, change_of / mass) : 0.0;
   }
 
   void book(const ShellModel& m) const {
