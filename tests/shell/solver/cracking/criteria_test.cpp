@@ -81,23 +81,29 @@ TEST(Criteria, ProposeAtTheirMomentOnly) {
   EXPECT_EQ(random, 1u);
 }
 
+// Where no criterion has looks, cuts alone have faces, and a window's start is the moment.
 TEST(Criteria, FacesThatAreApartAreReleasedAtALook) {
-  const ShellModel m = brittle_sheet(10);
-  ShellState s = make_state(m, Vec3::Zero(), 1);
-  const int from = s.cracks.graph.add_vertex({0.05, 0.15}), to = s.cracks.graph.add_vertex({0.0571, 0.1512});
-  insert_edge(m, s, from, to, s.cracks.graph.new_crack(), 0.0, 1, true);
-  ASSERT_EQ(s.cracks.interlocks.size(), 1u);
-  Interlock& faces = s.cracks.interlocks[0];
-  FractureRules rules = rules_of(FractureMode::kNone);
-  rules.tips.faces.opening = 1e-3;
-  std::uint64_t random = 1;
-  const auto propose = [&](CrackMoment moment) { propose_edges({m, s, rules, 0.0, 1e-6, random}, moment); };
-  faces.opening = 0.5e-3;
-  propose(CrackMoment::kLook);
-  EXPECT_TRUE(faces.holds);
-  faces.opening = 2e-3;
-  propose(CrackMoment::kWindow);
-  EXPECT_TRUE(faces.holds);
-  propose(CrackMoment::kLook);
-  EXPECT_FALSE(faces.holds);
+  for (const bool looks : {true, false}) {
+    const ShellModel m = brittle_sheet(10);
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    const int from = s.cracks.graph.add_vertex({0.05, 0.15}), to = s.cracks.graph.add_vertex({0.0571, 0.1512});
+    insert_edge(m, s, from, to, s.cracks.graph.new_crack(), 0.0, 1, true);
+    ASSERT_EQ(s.cracks.interlocks.size(), 1u);
+    Interlock& faces = s.cracks.interlocks[0];
+    FractureRules rules = rules_of(looks ? FractureMode::kTips : FractureMode::kNone);
+    rules.tips.faces.opening = 1e-3;
+    std::uint64_t random = 1;
+    const auto propose = [&](CrackMoment moment) { propose_edges({m, s, rules, 0.0, 1e-6, random}, moment); };
+    const CrackMoment when = looks ? CrackMoment::kLook : CrackMoment::kWindow;
+    faces.opening = 0.5e-3;
+    propose(when);
+    EXPECT_TRUE(faces.holds);
+    faces.opening = 2e-3;
+    if (looks) {
+      propose(CrackMoment::kWindow);
+      EXPECT_TRUE(faces.holds);
+    }
+    propose(when);
+    EXPECT_FALSE(faces.holds);
+  }
 }
