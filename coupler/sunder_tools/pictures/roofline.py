@@ -47,6 +47,6 @@ def write_profile(folder: Path) -> Path:
                            "give a longer end_time_s")
     shares = [Line(s.name, [k + 1.0], [s.seconds]) for k, s in enumerate(sorted(profile.stages, key=lambda s: -s.seconds))]
     path = folder / PROFILE_PICTURE
-    write_panels([roofs(profile.peak_gflops, rates, f"rates of stages, {profile.threads} threads"),
+    write_panels([roofs(profile.peak_gflops, rates, f"rates of stages, {profile.threads} thread{'s' * (profile.threads != 1)}"),
                   Panel("time of stages", "rank", "time [s]", shares, from_zero=True)], path)
     return path

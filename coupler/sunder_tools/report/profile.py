@@ -69,5 +69,5 @@ def table(profile: Profile) -> str:
         lines.append(line)
     lines.append(f"limits: {profile.peak_gflops:.1f} GFLOP/s, memory "
                  f"{', '.join(f'{s.work.gb_per_s:.1f} GB/s ({s.name})' for s in profile.stages if s.work)}; "
-                 f"{profile.threads} threads, {profile.substeps:.0f} substeps")
+                 f"{profile.threads} thread{'s' * (profile.threads != 1)}, {profile.substeps:.0f} substeps")
     return "\n".join(lines)
