@@ -82,7 +82,7 @@ FILES = (
     PublicFile("patch", "libcgal-demo", CGAL + "patch-01.off", 5, unit=2e-3, tolerance=0.02),
     PublicFile("terrain", "gmsh-doc", GMSH + "terrain_stl_data.stl.gz", 1, unit=1e-4, tolerance=0.02),
     PublicFile("surface", "gmsh-doc", GMSH + "surface1.stl.gz", 1, unit=0.05, tolerance=0.02),
-    PublicFile("holed", "assimp-testmodels", STL + "sphereWithHole.stl", 3, unit=0.1, tolerance=0.03),
+    PublicFile("holed", "assimp-testmodels", STL + "sphereWithHole.stl", 3, unit=0.1, tolerance=0.02),
     PublicFile("bull", "libcgal-demo", CGAL + "bull.off", 0, unit=0.3),
 )
 
