@@ -14,6 +14,7 @@ from sunder_tools import errors
 from sunder_tools.launch import build
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests.validation import experiments, known, measure
+from tests.validation.results import FIRST_USE
 
 from . import sunder
 from .fakes import write_executables
@@ -59,7 +60,7 @@ class Lists(unittest.TestCase):
         lists = sorted(known.KNOWN.glob("*"))
         self.assertIn("cracks.txt", [path.name for path in lists])
         for path in lists:
-            self.assertIn(path.stem, measure.VALIDATIONS)
+            self.assertIn(path.stem, (*measure.VALIDATIONS, FIRST_USE))
             self.assertTrue(known.read_known(path), path)
 
 

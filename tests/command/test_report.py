@@ -11,9 +11,10 @@ from pathlib import Path
 from unittest import mock
 
 from sunder_tools.errors import PEER_LOST, CommandError
+from sunder_tools.places import REPOSITORY
 from sunder_tools.report import machine
 from tests.commands import report
-from tests.validation import results
+from tests.validation import known, results
 
 from . import sunder
 
@@ -75,7 +76,7 @@ class Status(unittest.TestCase):
         self.readme = Path(temporary.name) / "README.md"
 
     def test_only_what_is_between_the_marks_changes(self) -> None:
-        self.readme.write_text(f"# Top\n\n{results.FIRST}\nold\n{results.LAST}\n\nend\n")
+        self.readme.write_text(f"# Top\n\n{results.FIRST_TIMES}\nold\n{results.LAST_TIMES}\n\n{results.FIRST}\nold\n{results.LAST}\n\nend\n")
         results.put_status(self.readme, [results.result_of("shells", CASES, 90.0, WITH)])
         text = self.readme.read_text()
         self.assertTrue(text.startswith("# Top\n\n") and text.endswith(f"{results.LAST}\n\nend\n"))
@@ -85,12 +86,49 @@ class Status(unittest.TestCase):
         self.assertIn("No suite has been reported yet.", self.readme.read_text())
 
     def test_a_page_without_a_place_is_refused_and_stays(self) -> None:
-        first, last = results.FIRST, results.LAST
-        for text in ("", first, last, f"{last}\n{first}\n", f"{first}\n{first}\n{last}\n", f"{first}\n{last}\n{last}\n"):
-            self.readme.write_text(text)
-            with self.assertRaisesRegex(CommandError, "has no place for the status"):
-                results.put_status(self.readme, [])
-            self.assertEqual(self.readme.read_text(), text)
+        both = (("status", results.FIRST, results.LAST), ("times", results.FIRST_TIMES, results.LAST_TIMES))
+        for (name, first, last), (_, *other) in (both, both[::-1]):
+            for text in ("", first, last, f"{last}\n{first}\n", f"{first}\n{first}\n{last}\n", f"{first}\n{last}\n{last}\n"):
+                text = "\n".join(other) + f"\n{text}"
+                self.readme.write_text(text)
+                with self.assertRaisesRegex(CommandError, f"has no place for the {name}"):
+                    results.put_status(self.readme, [])
+                self.assertEqual(self.readme.read_text(), text)
+
+    def test_the_times_of_both_commands_are_those_that_are_kept(self) -> None:
+        kept = {"first_install_s": 60.0, "first_build_s": 150.0, "first_build_steps": 9.0, "first_picture_s": 299.0}
+        told = results.times([results.result_of("first_use", kept, 299.0, WITH)])
+        self.assertIn("\nOn 2 cores: 5.0 min to the first picture, with 1.0 min of installing and 2.5 min of building; within the goal "
+                      "of 5 min. The second command has not been timed (abc, 2000-01-02).\n", told)
+        told = results.times([results.result_of("first_use", {**kept, "first_picture_s": 301.0, "first_test_s": 1200.0}, 1.0, WITH)])
+        self.assertIn("; not within the goal of 5 min. The second command takes 20.0 min (", told)
+
+    def test_rows_are_judged_by_the_list_as_it_is_now(self) -> None:
+        folder = self.readme.parent
+        rows = [{"case": name, "error": error, "verdict": verdict, "note": "old"} for name, error, verdict in (
+            ("within", 0.2, "fail"), ("beyond", 0.4, "known"), ("gone", 0.1, "known"), ("nan", None, "known"),
+            ("good", 0.01, "pass"), ("absent", None, "skipped"))]
+        (folder / "cracks.txt").write_text("".join(f"{name} 0.3 why\n" for name in ("within", "beyond", "nan", "good", "absent")))
+        beyond = "known to be off by 0.3 at most"
+        self.assertEqual([(row["verdict"], row["note"]) for row in known.today("cracks", rows, folder)],
+                         [("known", "why"), ("fail", beyond), ("fail", ""), ("fail", beyond), ("pass", "old"), ("skipped", "old")])
+        self.assertEqual(known.today("engines", rows, folder), rows, "a suite that judges itself")
+
+    def test_the_first_picture_is_judged_by_its_goal(self) -> None:
+        for seconds, verdict in ((300.0, "pass"), (301.0, "known"), (1e4, "fail")):
+            found = results.today([results.result_of("first_use", {"first_picture_s": seconds}, seconds, WITH)])
+            self.assertEqual([row["verdict"] for row in found[0].rows], [verdict])
+            self.assertIn(f"1 {verdict}; 1 numbers in", results.page("Results", found))
+
+    def test_the_pages_are_those_of_what_is_kept(self) -> None:
+        top = REPOSITORY / "tests"
+        readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+        kept = [*report.kept(top, "validation"), *report.kept(top, "benchmarks")]
+        self.assertIn(results.times(kept), readme, "coupler/sunder report --no-run")
+        self.assertIn(results.status(kept), readme, "coupler/sunder report --no-run")
+        for room, title in report.TITLES.items():
+            self.assertEqual((top / room / "RESULTS.md").read_text(encoding="utf-8"), results.page(title, report.kept(top, room)),
+                             "coupler/sunder report --no-run")
 
 
 class Reporting(unittest.TestCase):

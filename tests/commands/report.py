@@ -16,13 +16,14 @@ from sunder_tools.places import REPOSITORY
 from sunder_tools.report.machine import circumstances
 from sunder_tools.words import did_you_mean
 
+from ..validation.known import WITHOUT_LIST
 from ..validation.measure import VALIDATIONS, bench, case_names, validate
-from ..validation.results import BENCH, FIRST_USE, NUMBERS, WHOLE, page, put_status, read_all, replace, result_of, write
+from ..validation.results import BENCH, FIRST_USE, NUMBERS, WHOLE, Result, page, put_status, read_all, replace, result_of, today, write
 
 NAME = "report"
 SUITES = (*VALIDATIONS, BENCH, FIRST_USE)
 PICTURES = "pictures"
-WITHOUT_KNOWN = ("engines", "extremes")  # `validate` takes no --known for them
+TITLES = {"validation": "Results of validation", "benchmarks": "Results of benchmarks"}  # of pages, by folder of tests/
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -31,7 +32,8 @@ def add_parser(subparsers: Subparsers) -> None:
         subparsers, NAME, "run suites and write their results as pages",
         "Runs the suites named, all where none is, and keeps the JSON of each in tests/validation/results and\n"
         "tests/benchmarks/results. Writes RESULTS.md beside both and the status lines of README.md, from all JSON\n"
-        "that is there: a suite can be renewed alone, and with --case one case of it. first_use runs nothing: it keeps what\n"
+        "that is there: a suite can be renewed alone, and with --case one case of it. Rows are judged by the lists of known\n"
+        "failures as they are now. first_use runs nothing: it keeps what\n"
         "the first picture of this checkout took, on a machine that had nothing. Exit status 1 where a suite fails.\n"
         "'pictures' instead of a suite draws the pictures that pages show, which takes hours; with --picture one of them.\n"
         "Exit status 1 where this machine cannot draw one, which then stays as it is.",
@@ -95,7 +97,7 @@ def run_suite(suite: str, folder: Path, case: str | None = None) -> bool:
         numbers = Path(temporary) / f"{suite}.json"
         try:
             ended = bench(None, numbers) if suite == BENCH else validate(
-                suite, case, numbers, None, known=suite not in WITHOUT_KNOWN)
+                suite, case, numbers, None, known=suite not in WITHOUT_LIST)
         except CommandError as error:
             if error.status != PEER_LOST:
                 raise  # it could not begin: a build that fails, a program that is missing
@@ -119,20 +121,25 @@ def keep_first_use(folder: Path, builds: Path) -> bool:
         raise CommandError(f"report: {builds / first_use.FILE} does not tell of a first use: run 'coupler/sunder run "
                            "scenes/glass.textproto' in a new checkout on a machine without its packages, then this", BAD_INPUT)
     seconds = found["first_picture_s"] + found.get(first_use.TEST_KEY, 0.0)
-    write(result_of(FIRST_USE, dict(found), seconds, made_with), folder)
-    return True
+    result = result_of(FIRST_USE, dict(found), seconds, made_with)
+    write(result, folder)
+    return not today([result])[0].count("fail")
+
+
+def kept(top: Path, room: str) -> list[Result]:
+    """Results that are kept below `top` in `room`, one of TITLES, judged as of today. Raises CommandError."""
+    order = {suite: k for k, suite in enumerate(SUITES)}
+    return sorted(today(read_all(top / room / "results")), key=lambda result: order.get(result.suite, len(order)))
 
 
 def write_pages(top: Path, readme: Path | None) -> None:
-    """Both pages, and the status lines of a README."""
-    validation, benchmarks = read_all(folder_of(VALIDATIONS[0], top)), read_all(folder_of(BENCH, top))
-    order = {suite: k for k, suite in enumerate(SUITES)}
-    validation.sort(key=lambda result: order.get(result.suite, len(order)))
-    for title, results in (("Results of validation", validation), ("Results of benchmarks", benchmarks)):
+    """Both pages, and the status and times of a README."""
+    found = {room: kept(top, room) for room in TITLES}
+    for room, results in found.items():
         if results:
-            path = folder_of(results[0].suite, top).parent / "RESULTS.md"
-            replace(path, page(title, results))
+            path = top / room / "RESULTS.md"
+            replace(path, page(TITLES[room], results))
             print(f"written          {path}")
     if readme is not None:
-        put_status(readme, validation + benchmarks)
+        put_status(readme, [result for results in found.values() for result in results])
         print(f"status           {readme}")
