@@ -18,7 +18,7 @@ from google.protobuf import descriptor_pb2 as pb
 
 HERE = Path(__file__).resolve().parent
 README = HERE / "README.md"
-SCENE = ("scene", "shell", "patch", "bodies", "geometry")  # in the order of the page
+SCENE = ("scene", "shell", "boundary", "patch", "bodies", "geometry")  # in the order of the page
 SESSION = ("exchange",)
 PARTS = ("Default", "Excludes", "Needs")
 PACKAGE = ".sunder.proto."
