@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -10,6 +12,7 @@ from . import REPOSITORY as TOP
 from .python_imports import cycle, imports, modules, of_packages
 
 MOST_LINES = 500
+MOST_IN_A_SUBJECT = 72  # characters: what `git log --oneline` shows on a line of 80
 LONGER = {"shell/fracture/constants.h": 700}  # all constants of fracture stand in one file
 SOURCES = sorted(p for room in ("shell", "rigid", "coupler") for p in (TOP / room).rglob("*") if p.suffix in (".h", ".cpp"))
 
@@ -70,6 +73,16 @@ def names_its_module(test: Path) -> bool:
     """Whether a test, by its path below tests/, begins with the name of a module of the folder that it is for."""
     modules_there = {p.stem for p in (TOP / test.parent).glob("*") if p.suffix in (".h", ".cpp")}
     return any(f"{test.stem}_".startswith(f"{module}_") for module in modules_there)
+
+
+def long_subjects(repository: Path) -> list[str]:
+    """Subjects of commits since the last tag, or of the last commit where there is no tag, that are too long."""
+    def git(*arguments: str) -> str:
+        return subprocess.run(["git", "-c", "safe.directory=*", "-C", str(repository), *arguments], capture_output=True, text=True,
+                              check=False).stdout.strip()
+    tag = git("describe", "--tags", "--abbrev=0")
+    subjects = git("log", "--format=%s", *([f"{tag}..HEAD"] if tag else ["-1"])).splitlines()
+    return [subject for subject in subjects if len(subject) > MOST_IN_A_SUBJECT]
 
 
 class House(unittest.TestCase):
@@ -162,10 +175,30 @@ class House(unittest.TestCase):
             self.assertFalse(names_its_module(Path(bad)), bad)
 
     def test_no_file_is_long(self) -> None:
-        long = [f"{name}: {n}" for room in ("shell", "rigid", "coupler", "tests")
-                for p in (TOP / room).rglob("*") if p.suffix in (".h", ".cpp", ".py", ".mjs", ".js")
+        long = [f"{name}: {n}" for room in ("proto", "shell", "rigid", "coupler", "tests")
+                for p in (TOP / room).rglob("*") if p.suffix in (".h", ".cpp", ".proto", ".py", ".mjs", ".js")
                 if (n := len(p.read_text().splitlines())) > LONGER.get(name := str(p.relative_to(TOP)), MOST_LINES)]
         self.assertEqual(long, [])
+
+    @unittest.skipUnless((TOP / ".git").exists() and shutil.which("git"), "no repository of git")
+    def test_no_subject_of_a_commit_is_long(self) -> None:
+        self.assertEqual(long_subjects(TOP), [])
+
+    @unittest.skipUnless(shutil.which("git"), "git is not installed")
+    def test_a_long_subject_is_found_after_the_last_tag_only(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            def git(*arguments: str) -> None:
+                subprocess.run(["git", "-C", folder, "-c", "user.name=a", "-c", "user.email=a@b.example", *arguments],
+                               capture_output=True, check=True)
+
+            git("init")
+            for letter, tagged in (("a", False), ("b", True), ("c", False), ("d", False)):
+                git("commit", "--allow-empty", "-m", letter * (MOST_IN_A_SUBJECT + (letter != "d")) + "\n\n" + "body " * 30)
+                last = [letter * (MOST_IN_A_SUBJECT + 1)]
+                self.assertEqual(long_subjects(Path(folder)), last if letter != "d" else ["c" * (MOST_IN_A_SUBJECT + 1)])
+                if tagged:
+                    git("tag", "v1")
+                    self.assertEqual(long_subjects(Path(folder)), [])
 
     def test_every_folder_says_what_it_is_for(self) -> None:
         for room in ("proto", "coupler", "shell", "rigid", "scenes", "tests"):
