@@ -14,9 +14,9 @@ namespace sunder::rigid {
 ///   H the window; its energy does not grow.
 /// - Shapes: contacts with half spaces use true corners, contacts of two boxes true faces, spheres their true radius.
 ///   Other pairs use hulls with edges rounded by at most 0.5 mm inside their size. Sharp corners lose up to 0.7 mm.
-/// - Look-ahead: contacts of two bodies, spheres among them, are found within 2 mm plus the distance that the two
-///   centres move relative to each other in the window. For half spaces it is the distance that each corner moves,
-///   turning included.
+/// - Look-ahead: contacts of two bodies, spheres among them, are found within kContactGap_m (bullet_world.cpp) plus the
+///   distance that the two centres move relative to each other in the window. For half spaces it is the distance that
+///   each corner moves, turning included.
 /// - Bodies that overlap in their first window, as shards of one pane do, may keep this overlap until they separate. So
 ///   a body must be added where its first window starts.
 /// - Restitution acts on the closing speed of the average velocities, from 0.05 m/s.
