@@ -142,15 +142,15 @@ class Testing(unittest.TestCase):
             self.assertEqual(sunder(["test", "-R", "vtp"]), 0)
             self.assertEqual(run.call_count, 1)
             self.assertIn("no network\nsunder: so the tests of the engines under Node.js are skipped", said.getvalue())
-            for what in ("CAD files", "Slurm", "plots", "films", "Blender", "the viewer"):
+            for what in ("CAD files", "Slurm", "plots", "a German locale", "films", "Blender", "the viewer"):
                 self.assertIn(f"no rights\nsunder: so the tests of {what} are skipped", said.getvalue())
             self.assertEqual([call.args[1] for call in install.call_args_list],
-                             [command.CAD_PACKAGES, command.SLURM_PACKAGES, command.LINT_PACKAGES, command.PLOT_PACKAGES,
+                             [command.CAD_PACKAGES, command.SLURM_PACKAGES, command.LINT_PACKAGES, command.PLOT_PACKAGES, command.LOCALE_PACKAGES,
                               command.FILM_PACKAGES, command.BLENDER_PACKAGES, command.BROWSER_PACKAGES])
             built.assert_called_once_with(all_targets=True, cad=False)
             os.environ[BUILD_DIR_VARIABLE] = str(REPOSITORY)
             self.assertEqual(sunder(["test"]), 0)
-            self.assertEqual((ensure.call_count, install.call_count), (1, 7))  # no more: nothing is installed then
+            self.assertEqual((ensure.call_count, install.call_count), (1, 8))  # no more: nothing is installed then
 
     def test_builds_with_cad_where_its_packages_can_be_had(self) -> None:
         with mock.patch.object(command, "ensure_node"), mock.patch.object(command, "ensure_installed"), \

@@ -12,7 +12,7 @@ from sunder_tools.errors import CHECK_FAILED, DONE, CommandError
 from sunder_tools.launch import first_use
 from sunder_tools.launch.build import build_dir, ensure_built
 from sunder_tools.launch.install import (BLENDER_PACKAGES, BROWSER_PACKAGES, CAD_PACKAGES, FILM_PACKAGES, LINT_PACKAGES,
-                                         PLOT_PACKAGES, SLURM_PACKAGES, ensure_installed)
+                                         LOCALE_PACKAGES, PLOT_PACKAGES, SLURM_PACKAGES, ensure_installed)
 from sunder_tools.launch.node import ensure_node
 from sunder_tools.places import BUILD_DIR_VARIABLE, REPOSITORY
 
@@ -54,8 +54,8 @@ def _get_packages() -> None:
     """Packages that only tests need. Where they cannot be had, their tests are skipped."""
     for what, get in (("the engines under Node.js", ensure_node), ("Slurm", _install(SLURM_PACKAGES)),
                       ("the sources", _install(LINT_PACKAGES)), ("plots", _install(PLOT_PACKAGES)),
-                      ("films", _install(FILM_PACKAGES)), ("Blender", _install(BLENDER_PACKAGES)),
-                      ("the viewer", _ensure_viewer)):
+                      ("a German locale", _install(LOCALE_PACKAGES)), ("films", _install(FILM_PACKAGES)),
+                      ("Blender", _install(BLENDER_PACKAGES)), ("the viewer", _ensure_viewer)):
         _can_have(what, get)
 
 

@@ -20,6 +20,7 @@ PACKAGES = (
 )  # all that a run needs
 TEST_PACKAGES = ("libgtest-dev", "libbenchmark-dev")  # all that tests, `validate` and `bench` cannot do without
 LINT_PACKAGES = ("clang-format", "clang-tidy", "mypy", "pyflakes3")  # for a test only, of the sources
+LOCALE_PACKAGES = ("locales",)  # for a test only, which makes a German one
 SLURM_PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")  # for a test only, which brings up one of its own
 BROWSER_PACKAGES = ("chromium",)  # for a test only, of the viewer's page
 FILM_PACKAGES = ("ffmpeg",)  # for `sunder render --film`
