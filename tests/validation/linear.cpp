@@ -24,11 +24,11 @@ struct Freedom {
 };
 
 std::vector<Freedom> freedoms(const Stitched& s) {
-  std::map<std::pair<int, int>, std::vector<std::tuple<int, int, double>>> followers;
+  std::map<std::pair<int, int>, std::vector<std::tuple<int, int, double>>> dependents;
   const auto slot = [&](const PatchPoint& p) { return s.model(p.patch).tables.slot(p.point); };
   for (const Dependence& d : s.stitches().points)
     for (const auto& [p, weight] : d.on)
-      followers[{p.patch, slot(p)}].emplace_back(d.point.patch, slot(d.point), weight);
+      dependents[{p.patch, slot(p)}].emplace_back(d.point.patch, slot(d.point), weight);
   std::vector<Freedom> out;
   for (int k = 0; k < static_cast<int>(s.size()); ++k) {
     const ShellModel& m = s.model(k);
@@ -39,8 +39,8 @@ std::vector<Freedom> freedoms(const Stitched& s) {
         const auto& held = m.constraints.held[d];
         if (std::binary_search(held.begin(), held.end(), at)) continue;
         Freedom f{k, at, d, {{k, at, 1.0}}};
-        const auto it = followers.find({k, at});
-        if (it != followers.end()) f.moves.insert(f.moves.end(), it->second.begin(), it->second.end());
+        const auto it = dependents.find({k, at});
+        if (it != dependents.end()) f.moves.insert(f.moves.end(), it->second.begin(), it->second.end());
         out.push_back(std::move(f));
       }
     }

@@ -26,7 +26,7 @@ class Gap:
 
     @property
     def resolved(self) -> bool:
-        """Whether there is an error beyond doubt."""
+        """Whether there is an error that scatter does not explain."""
         return self.error > self.noise
 
 
@@ -55,7 +55,7 @@ class Judged:
 
     @property
     def resolved(self) -> bool:
-        """Whether its error is beyond doubt."""
+        """Whether its error is more than scatter explains."""
         return self.error > self.noise
 
 

@@ -128,7 +128,7 @@ void Balance::go_to(double share) {
     }
   }
   if (!joined_.stitching) return;
-  std::vector<double> u(x.size());  // dependent control points follow driven ones
+  std::vector<double> u(x.size());  // driven control points move dependent ones
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = x[i] - start_[i];
   degrees_.follow(u);
   for (std::size_t i = 0; i < u.size(); ++i)

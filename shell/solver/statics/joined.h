@@ -17,9 +17,9 @@ struct JoinedShells {
   std::vector<Vec3> gravity;             // on each [m/s^2]
 };
 
-/// Numbers the free displacements of joined shells. Dependent control points have none: they follow. A field is
-/// [shell][3][component stride]. Constraints are what dependence does not say: ties along trims, and creases that keep
-/// the length of a weighted sum of positions.
+/// Numbers the free displacements of joined shells. Dependent control points have none. A field is
+/// [shell][3][component stride]. Two kinds of seams are constraints instead: ties along trims, and creases that keep the
+/// length of a weighted sum of positions.
 class JoinedDegrees {
  public:
   explicit JoinedDegrees(const JoinedShells& joined);

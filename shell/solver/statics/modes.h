@@ -34,8 +34,8 @@ struct ModeSet {
 /// free displacements.
 ModeSet vibration_modes(const ShellModel& model, ShellState& state, int count, const std::function<void()>& forces);
 
-/// The same for shells that seams join, which vibrate together. Dependent control points follow. A stiffness keeps
-/// constraints of seams, far above those of low modes.
+/// The same for shells that seams join, which vibrate together. Dependent control points have no
+/// freedom of their own. A stiffness far above that of low modes keeps the constraints of seams.
 ModeSet vibration_modes(const JoinedShells& joined, int count, int threads, bool at_equilibrium = true);
 
 }  // namespace sunder::shell
