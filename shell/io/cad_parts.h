@@ -19,12 +19,12 @@ struct ScenePart {
 };
 
 /// The shells of a run, in the order of the scene. A shell of several CAD faces becomes one for each face, or more
-/// where a face is divided. Throws Error where a file cannot be read or has no such face, where the shell would be of
-/// more than kMostFaces, where three of the faces share an edge, and where a name of the scene fits no shell.
+/// where a face is divided. Throws Error for a file that cannot be read or lacks the face. Throws it as well for more
+/// than kMostFaces, for three faces that share an edge, and for a name of the scene that fits no shell.
 std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& files);
 
-/// Which parts may meet: all of different shells; those of one file where it has an edge between their faces, or where
-/// both faces have edges that no other face of the shell has, as in a file without topology.
+/// Which parts may meet. Parts of different shells may. Two parts of one file may if an edge of the file lies between
+/// their faces. They may as well if both faces have edges of their own, as in a file without topology.
 std::vector<std::vector<char>> may_meet(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts,
                                         CadFiles& files);
 

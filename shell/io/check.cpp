@@ -9,8 +9,8 @@
 #include <Eigen/Geometry>
 
 #include "shell/contact/proxy.h"
-#include "shell/io/felt.h"
 #include "shell/io/mesh_parts.h"
+#include "shell/io/sampling_gaps.h"
 #include "shell/io/space_places.h"
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
@@ -145,7 +145,7 @@ std::string warning_lines(const scene::LoadedScene& scene, const RunSetup& setup
   std::string out = mesh_warnings(scene, setup);
   for (const std::string& warning : setup.touching) out += "warning        " + warning + "\n";
   for (const std::string& warning : {too_thick(setup.shells, setup.stitches.seams),
-                                     felt_late(setup.shells, setup.bodies), never_breaks(setup.shells)})
+                                     sampling_gap_warning(setup.shells, setup.bodies), never_breaks(setup.shells)})
     if (!warning.empty()) out += "warning        " + warning + "\n";
   return out;
 }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "coupler/core/error.h"
-#include "shell/io/felt.h"
+#include "shell/io/sampling_gaps.h"
 #include "shell/run/audit.h"
 
 namespace sunder::shell {
@@ -108,7 +108,7 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   if (const std::string whole = never_breaks(shells); !whole.empty()) out.insert(out.begin(), whole);
-  if (const std::string late = felt_late(shells, simulation.model.setup.bodies); !late.empty())
+  if (const std::string late = sampling_gap_warning(shells, simulation.model.setup.bodies); !late.empty())
     out.insert(out.begin(), late);
   const std::vector<std::string>& touching = simulation.model.setup.touching;
   out.insert(out.begin(), touching.begin(), touching.end());

@@ -12,9 +12,9 @@ namespace {
 using Scheme = CouplingRules::Scheme;
 
 constexpr int kStiffnessEvery = 8;  // windows between two measurements of stiffness
-// Free bodies take at most the impulse of an elastic impact of all of them from a body that follows its motion, 2 m v,
-// with a margin of as much again. One that loses more in the engine has met what does not give way, or pressed a free
-// body on that.
+// A body with a prescribed motion at speed v hits free bodies of mass m. An elastic impact on all of them takes at most
+// 2 m v from it; the margin is a factor of two. A larger loss in the engine means that it touches a body that does not
+// give way, directly or through a free body.
 constexpr double kGivesWay = 4.0;          // [free masses times the largest speed]
 constexpr double kUntouched = 1e-9;        // [largest speed]: round-off
 constexpr int kHeavyEvery = 8;             // windows between two looks for heavy bodies on light ones

@@ -84,10 +84,9 @@ void meet(Suite& s, const Meeting& m) {
   play.end();
 }
 
-// Head-on impact at 2 m/s without gravity from a gap of kGap_m, not a whole number of windows away: ratio of the
-// rebound speed, and place. An engine resolves a rebound at the begin or at the end of its window. So a body may be
-// ahead by its way there and back in what comes before the touch, or late by its way back in what comes after, but by
-// no more.
+// Head-on impact at 2 m/s without gravity: ratio of the rebound speed, and place. The gap kGap_m is no whole number of
+// windows. An engine resolves a rebound at the begin or at the end of its window. A rebound at the begin puts the body
+// ahead, by its way there and back before the touch. One at the end makes it late, by its way back after the touch.
 constexpr double kGap_m = 0.0433, kFlight_s = 0.1;
 void bounce(Suite& s, const RigidBody& lower, const RigidBody& upper, double half_width) {
   for (const double restitution : {0.0, 0.5, 1.0}) {

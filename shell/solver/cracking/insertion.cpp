@@ -335,8 +335,8 @@ void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, 
   }
 }
 
-// Fastens again the faces that the edges from `first` on have cut off from their control points and, where `interlock`,
-// the faces of these edges for the first time.
+// Recomputes the shape functions of faces that the new edges, from `first` on, separate from their control points. With
+// `interlock`, creates the faces of the new edges.
 void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, int threads) {
   const int end = static_cast<int>(s.cracks.graph.edges().size());
   s.cracks.interlock_of.resize(end, -1);
@@ -430,8 +430,8 @@ double room_outside(const ShellModel& m, const CrackGraph& graph, const Vec2& p,
   return 0.0;
 }
 
-// Goes on outside of a trim loop where the edges from `first` on end on it or outside, so that control points that stay
-// outside belong to one side of the crack.
+// Extends new cracks, the edges from `first` on, that end on or beyond a trim loop. Control points outside the loop
+// then lie on one side of the crack.
 void run_out_of_trims(const ShellModel& m, ShellState& s, int first, double time) {
   if (m.trim.empty()) return;
   CrackGraph& graph = s.cracks.graph;

@@ -279,9 +279,9 @@ Vec3 inner_force(const ShellState& s, int slot) {
                                    : Vec3(s.at(s.motion.force, slot) - s.at(s.motion.external, slot));
 }
 
-// Tests whether the internal forces on a piece, and their moments, cancel. They do not where a support takes a part
-// (the slope of a clamped edge), or where a Gauss point still sees control points on both sides, near crack ends. The
-// pull of such a point is nobody's momentum after the hand-off.
+// Tests whether the internal forces on a piece, and their moments, cancel. Two things leave a sum. A support may bear a
+// part, such as the slope of a clamped edge. Near crack ends, a Gauss point may still use control points on both sides.
+// After the hand-off, no part receives the momentum from the force of such a point.
 bool forces_cancel(const ShellModel& m, const ShellState& s, const Piece& piece) {
   constexpr double kRoundOff = 1e-9;  // share of the forces' magnitudes; a piece has at most thousands of terms
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();

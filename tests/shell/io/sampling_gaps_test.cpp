@@ -1,9 +1,9 @@
-// Bodies that fit between the Gauss points at which contact is felt.
+// Warnings about bodies that sink between Gauss points.
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "shell/io/felt.h"
+#include "shell/io/sampling_gaps.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -11,7 +11,7 @@ using namespace sunder::shell;
 
 namespace {
 
-ShellSetup felt_sheet(int elements) {
+ShellSetup sampled_sheet(int elements) {
   ShellSetup s{brittle_sheet(elements)};
   s.hertz = {0.0};
   return s;
@@ -43,35 +43,35 @@ TEST(HalfSides, AreThoseOfTheShapeInOrder) {
   EXPECT_TRUE(std::isinf(half_sides(body(HalfSpaceShape{}))[0]));
 }
 
-TEST(FeltLate, TellsABallOfWhichMoreThanHalfAThicknessFitsBetweenPoints) {
-  const ShellSetup shell = felt_sheet(20);
+TEST(SamplingGaps, TellsABallOfWhichMoreThanHalfAThicknessFitsBetweenPoints) {
+  const ShellSetup shell = sampled_sheet(20);
   const double d = farthest_from_samples(shell.model), half = 0.5 * shell.model.thickness;
   const double just = (d * d + half * half) / (2.0 * half);  // r - sqrt(r^2 - d^2) = half
-  EXPECT_EQ(felt_late({shell}, {body(SphereShape{1.01 * just})}), "");
-  const std::string told = felt_late({shell}, {body(SphereShape{0.99 * just})});
+  EXPECT_EQ(sampling_gap_warning({shell}, {body(SphereShape{1.01 * just})}), "");
+  const std::string told = sampling_gap_warning({shell}, {body(SphereShape{0.99 * just})});
   EXPECT_NE(told.find("ball 'stone' may sink 0.002 m into shell 'p' before it is felt"), std::string::npos) << told;
   // the remedies
-  EXPECT_EQ(felt_late({felt_sheet(40)}, {body(SphereShape{0.99 * just})}), "");
+  EXPECT_EQ(sampling_gap_warning({sampled_sheet(40)}, {body(SphereShape{0.99 * just})}), "");
   ShellSetup hertz = shell;
   hertz.hertz = {1e9};
-  EXPECT_EQ(felt_late({hertz}, {body(SphereShape{0.5 * just})}), "");
+  EXPECT_EQ(sampling_gap_warning({hertz}, {body(SphereShape{0.5 * just})}), "");
 }
 
-TEST(FeltLate, TellsSharpBodiesThatAreSmallAgainstTheDistance) {
-  const ShellSetup shell = felt_sheet(20);
+TEST(SamplingGaps, TellsSharpBodiesThatAreSmallAgainstTheDistance) {
+  const ShellSetup shell = sampled_sheet(20);
   const double d = farthest_from_samples(shell.model);
-  EXPECT_NE(felt_late({shell}, {body(BoxShape{Vec3(1, 1, 1.9 * d)})}).find("an edge of 'stone' may sink"),
+  EXPECT_NE(sampling_gap_warning({shell}, {body(BoxShape{Vec3(1, 1, 1.9 * d)})}).find("an edge of 'stone' may sink"),
             std::string::npos);
-  EXPECT_EQ(felt_late({shell}, {body(BoxShape{Vec3(1, 1, 2.1 * d)})}), "");
-  EXPECT_EQ(felt_late({shell}, {body(HalfSpaceShape{})}), "");
+  EXPECT_EQ(sampling_gap_warning({shell}, {body(BoxShape{Vec3(1, 1, 2.1 * d)})}), "");
+  EXPECT_EQ(sampling_gap_warning({shell}, {body(HalfSpaceShape{})}), "");
 }
 
-TEST(FeltLate, LooksAtTheLeastThickness) {
+TEST(SamplingGaps, LooksAtTheLeastThickness) {
   const auto said = [](double thickness, const ThicknessFactor& factor) {
     ShellSetup s{make_shell("p", plate(0.2, 0.2, 20, 20, Vec3::Zero(), Quat::Identity()), thickness, glass(), 2, 2, {},
                             {}, {}, factor)};
     s.hertz = {0.0};
-    return felt_late({s}, {body(SphereShape{0.007})});  // sinks by 1.3 mm
+    return sampling_gap_warning({s}, {body(SphereShape{0.007})});  // sinks by 1.3 mm
   };
   EXPECT_EQ(said(0.004, {}), "");
   EXPECT_NE(said(0.002, {}), "");

@@ -1,5 +1,5 @@
 #pragma once
-// What contact at Gauss points does not feel.
+// Warnings about bodies that sink between Gauss points.
 #include <string>
 #include <vector>
 
@@ -17,6 +17,6 @@ double farthest_from_samples(const ShellModel& shell);
 /// R - sqrt(R^2 - d^2), an edge of a right angle by d, where d is the distance above. Told are balls that sink by more
 /// than half of the thickness, and other bodies whose shortest half side is less than twice d. Hertz contact acts
 /// between samples.
-std::string felt_late(const std::vector<ShellSetup>& shells, const std::vector<RigidBody>& bodies);
+std::string sampling_gap_warning(const std::vector<ShellSetup>& shells, const std::vector<RigidBody>& bodies);
 
 }  // namespace sunder::shell

@@ -1,4 +1,4 @@
-#include "shell/io/felt.h"
+#include "shell/io/sampling_gaps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -56,7 +56,7 @@ double farthest_from_samples(const ShellModel& shell) {
   return 0.5 * gap * 0.5 * shell.longest_element * std::numbers::sqrt2;  // half of the diagonal of four points
 }
 
-std::string felt_late(const std::vector<ShellSetup>& shells, const std::vector<RigidBody>& bodies) {
+std::string sampling_gap_warning(const std::vector<ShellSetup>& shells, const std::vector<RigidBody>& bodies) {
   Late worst{0.0, false};
   double worst_share = 0.0;  // depth over the body's shortest half side
   const RigidBody* which = nullptr;
