@@ -20,6 +20,7 @@ IN_REASONS = r"\d\.\d|\d ?%|\de-\d|\d ?(?:us|ms|ns|s|degrees)\b"
 
 MOST_BYTES, MOST_LINES, MOST_IN_A_LINE = 10240, 160, 1200
 MOST_LINES_OF_SHELL = 120
+MOST_WORDS = 30  # of a sentence: 25 are the rule, and a list of names may take a few more
 NUMBER = r"\d[\d.,]*(?:e[-+]?\d+)?"
 MEASURED = (
     rf"{NUMBER} ± {NUMBER}",                                            # scatter of a series
@@ -54,6 +55,31 @@ def figures(text: str) -> list[tuple[int, str]]:
                 continue
             found += [(number, match[0]) for pattern in MEASURED for match in re.finditer(pattern, part)]
     return found
+
+
+def sentences(text: str) -> list[tuple[int, str]]:
+    """Sentences of a page, each with the first line of its paragraph. Tables, headings, code and formulas are left out;
+    a piece of code in a sentence counts as a word."""
+    paragraphs: list[tuple[int, str]] = []
+    open_, fenced = False, False
+    for number, line in enumerate(text.splitlines(), 1):
+        fence, stripped = line.lstrip().startswith("```"), line.strip()
+        fenced ^= fence
+        if fence or fenced or not stripped or line.startswith("    ") or stripped.startswith(("|", "#", "<!--", "![")):
+            open_ = False
+            continue
+        if open_ and not re.match(r"(?:[-*]|\d+\.) ", stripped):
+            paragraphs[-1] = (paragraphs[-1][0], f"{paragraphs[-1][1]} {stripped}")
+        else:
+            paragraphs.append((number, stripped))
+        open_ = True
+    return [(number, one) for number, paragraph in paragraphs
+            for one in re.split(r"(?<=[.?!])[*)\"]*\s+", re.sub(r"`[^`]*`", "code", re.sub(r"\]\([^)]*\)", "]", paragraph)))]
+
+
+def words(sentence: str) -> int:
+    """Number of words; a line of links to sections has none."""
+    return 0 if " · " in sentence else sum(bool(re.search(r"\w", word)) for word in sentence.split())
 
 
 def reason(path: Path, line: str) -> str:
@@ -101,6 +127,17 @@ class Pages(unittest.TestCase):
         long = [f"{p.relative_to(TOP)}:{n}: {len(line)}" for p in readmes()
                 for n, line in enumerate(p.read_text().splitlines(), 1) if len(line) > MOST_IN_A_LINE]
         self.assertEqual(long, [])
+
+    def test_no_sentence_is_long(self) -> None:
+        long = [f"{page.relative_to(TOP)}:{number}: {words(sentence)} words: {sentence}" for page in PAGES if page.parent.name != "proto"
+                for number, sentence in sentences(page.read_text()) if words(sentence) > MOST_WORDS]
+        self.assertEqual(long, [], "one idea a sentence")
+
+    def test_words_of_sentences_are_counted(self) -> None:
+        page = ("# A title\n\nOne **two.** Three `four five`\nsix [seven](eight nine)!\n- Ten.\n\n    a = b c\n| a. b | c |\n"
+                "```\nx y\n```\n* End\n")
+        self.assertEqual([(number, words(sentence)) for number, sentence in sentences(page)], [(3, 2), (3, 4), (5, 1), (12, 1)])
+        self.assertEqual([words(s) for _, s in sentences("word " * (MOST_WORDS + 1))], [MOST_WORDS + 1])
 
     def test_no_measured_figure_is_typed(self) -> None:
         found = [f"{p.relative_to(TOP)}:{n}: {figure}" for p in PAGES if p.parent.name != "proto"  # made from schemas
