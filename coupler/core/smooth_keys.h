@@ -7,7 +7,7 @@
 namespace sunder {
 
 /// Slope of a curve at a key, from the slopes of the straight lines before and after it, which last `h0` and `h1` [s].
-/// It is that of the parabola through the three keys, shortened so that the curve passes no key on its way, and zero
+/// It is that of the parabola through the three keys, shortened so that the curve does not overshoot a key. It is zero
 /// where the two lines turn back.
 Vec3 smooth_slope(const Vec3& before, const Vec3& after, double h0, double h1);
 

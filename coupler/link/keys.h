@@ -17,8 +17,8 @@ struct Keys {
 void make_keys(const std::string& folder);
 
 /// Reads this side's secret key and both public keys. The other side's secret key may be absent. Throws Error
-/// (bad_keys) with file, problem and remedy where a file is missing or damaged, where other users may read the secret
-/// or replace a key, or where secret and public key are no pair.
+/// (bad_keys) with file, problem and remedy. It does so for a missing or damaged file, and for keys that are no pair.
+/// It also does so where other users may read the secret or replace a key.
 Keys read_keys(const std::string& folder, Side side);
 
 }  // namespace sunder::link

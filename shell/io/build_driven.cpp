@@ -55,8 +55,8 @@ std::map<int, double> volumes(const Surface& s, const std::vector<int>& part, co
   return out;
 }
 
-// Throws Error where a shape is turned inside out, or where the way from one shape to the next leads through one that
-// has lost most of its volume.
+// Throws Error where a shape is turned inside out. Throws it as well where a shape between two given ones has lost most
+// of the volume.
 void check_way(const scene::LoadedScene& scene, const std::string& field, const proto::Body& m, const Surface& surface,
                const ShapeCurve& curve) {
   const proto::Deformation& d = m.deformation();

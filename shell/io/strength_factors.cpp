@@ -31,8 +31,8 @@ bool holds(const proto::StrengthLine& line, const Vec2& p) {
   return distance_to_line(p, line.points_size(), at) <= 0.5 * line.width_m();
 }
 
-// A point of a surface with this normal is near a segment where it is within half the width along the tangent plane,
-// and no further off than half the segment across it: so far is the chord of half a circle.
+// Tests whether a point of a surface with this normal is near a segment. It is within half the width along the tangent
+// plane. Across that plane it is within half the length of the segment, the distance from the chord of half a circle.
 bool holds(const proto::SpaceLine& line, double width, const Vec3& x, const Vec3& normal) {
   for (int i = 1; i < line.points_size(); ++i) {
     const Vec3 a = scene::to_vec(line.points(i - 1)), d = scene::to_vec(line.points(i)) - a;

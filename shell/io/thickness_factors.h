@@ -10,8 +10,8 @@ namespace sunder::shell {
 
 /// The factor on the thickness of a shell: the product of thickness_law, thickness_map and `paint` (null: none); empty
 /// where the shell has none. `patch` has parameters that are lengths, `field` is the shell's. Throws Error where a map
-/// cannot be read, and where `fits` is asked for and a map has the wrong aspect ratio or a law does not reach the
-/// shell: of a patch that is a face, whose middle is another one, it is not.
+/// cannot be read. With `fits`, throws it as well where a map has the wrong aspect ratio or a law does not reach the
+/// shell. `fits` is false for a patch that is a face of the sheet, since the middle surface is another patch.
 ThicknessFactor thickness_factors(const scene::LoadedScene& scene, const proto::Shell& shell, const Patch& patch,
                                   const std::string& field, const Paint* paint, bool fits = true);
 

@@ -47,8 +47,8 @@ struct TriangleMesh {
 
 /// Makes a mesh of a file's triangles. Points no further apart than `weld` [m] become one; 0: only equal ones. `word`
 /// says what FileTriangle::line counts. Triangles with two corners in one place are left out. Throws Error with place,
-/// line and remedy where others have no area, two have the same corners, an edge has three triangles, or the surface
-/// has one side only. Where it touches itself in a point, each fan of triangles gets a point of its own.
+/// line and remedy for other triangles without area, two with the same corners, or three at an edge. A surface with one
+/// side only is refused as well. Where it touches itself in a point, each fan of triangles gets a point of its own.
 TriangleMesh make_triangle_mesh(const std::vector<Vec3>& points, const std::vector<FileTriangle>& triangles,
                                 double weld, const std::string& word);
 

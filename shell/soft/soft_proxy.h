@@ -29,8 +29,8 @@ struct PressScratch {
   std::vector<Proxy> copies;
 };
 
-/// Applies impulses to the grid nodes of a soft body and to rigid bodies, so that no surface point is inside a body at
-/// the end of the step of `dt` [s]. Contact is inelastic with Coulomb friction `friction[group]` [-]; projected
+/// Applies impulses to the grid nodes of a soft body and to rigid bodies. At the end of the step of `dt` [s], no
+/// surface point is inside a body. Contact is inelastic with Coulomb friction `friction[group]` [-]; projected
 /// Gauss-Seidel solves all points together. Call it between `to_grid` and `from_grid`. Each impulse acts at the surface
 /// point, on the body and, by the weights there, on the nodes, so the body's linear and angular ledger both close. The
 /// work is booked. Returns the number of points that press.

@@ -155,8 +155,8 @@ Springs springs_at(const ShellModel& m, const Vec3& at, const FacePoint& point) 
 }
 
 // A point of contact gives way where it bears more than its laws allow: it crushes, then slides. The work of a force
-// over a substep is that of the mean of its two ends, so crushing and friction take that mean times the way that they
-// give.
+// over a substep is that of the mean of its two ends. So the energy of crushing and friction is this mean times the
+// way.
 void give_way(const ShellModel& m, const Vec3& at, Interlock& lock, int face) {
   FacePoint& point = lock.points[face];
   const double k = 0.5 * lock.stiffness * lock.area, depth = depth_of(m, point);

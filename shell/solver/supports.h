@@ -66,7 +66,8 @@ struct Constraints {
 
 /// Combines the supports that hold at `time` [s]. Parts are those of all supports; a released one has no slots. A
 /// control point that one support holds and another moves along the same axis is held. Throws Error where a symmetry
-/// edge does not lie in a plane across its axis, a region holds no control point, or a symmetry edge moves in two ways.
+/// edge does not lie in a plane across its axis or moves in two ways. Throws it too for a region without control
+/// points.
 Constraints make_constraints(const Patch& patch, const std::vector<Support>& supports, int stride,
                              const std::string& name, double time = 0.0);
 

@@ -1,7 +1,7 @@
 // The same scene with the engine in the shell's process and in another one. Both compute the same to the bit, so all
-// that differs is the boundary: start of a session, and its messages. Whole times are compared too, but on a machine
-// that is shared they differ by more than the boundary costs, from one run to the next of the same program: the number
-// that is reported leaves the solver's own stages out of the difference.
+// that differs is the boundary: start of a session, and its messages. Whole times are compared too. On a shared
+// machine they scatter by more than the boundary costs. So the reported number leaves the solver's own stages out of
+// the difference.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>

@@ -49,8 +49,9 @@ std::vector<std::pair<double, double>> gauss_rule(int n) {
   return out;
 }
 
-// Strains, changes of curvature and displacements at angle t * kHalfAngle from the crown, by the coefficients of u
-// (even), v (odd) and w (even), for u cos(a x), v sin(a x), w sin(a x); w points outwards, v away from the crown.
+// Strains, changes of curvature and displacements at angle t * kHalfAngle from the crown. The displacements are
+// u cos(a x), v sin(a x) and w sin(a x), with coefficients of u (even), v (odd) and w (even). w points outwards, v away
+// from the crown.
 struct Forms {
   Eigen::VectorXd along, around, shear, bend_along, bend_around, twist, v, w;
 };

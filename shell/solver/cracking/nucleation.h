@@ -38,13 +38,13 @@ FlawLine line_through(const ShellModel& model, const CrackGraph& cracks, const V
 bool opens_along(const ShellModel& model, ShellState& state, const CrackRules& rules, const FlawLine& line, int face,
                  const Flaw& flaw, double time);
 
-/// Energy that the stress across a direction stores in the energy-release zone `own` of p, over the energy that an even
-/// field stores in the whole circle of `radius` [m] (zone_radius). `even` > 0 [Pa^2]: stored_by of that even field at
-/// the strength of the flaw, times the squared share of the strength along the line; the cost of a crack has the same
-/// factor. Points whose face is pressed count as zero. Where the mean over the thickness presses and only the face is
-/// pulled, the stress of the face counts as bending. Beyond a joined edge the mean of this side counts. A large zone is
-/// sampled. No crack starts where less is stored than its line costs: a field that is high along the line only stores
-/// less than the line suggests.
+/// Ratio of two energies. The first is stored by the stress across a direction in the energy-release zone `own` of p.
+/// An even field stores the second in the whole circle of `radius` [m] (zone_radius). `even` > 0 [Pa^2]: stored_by of
+/// that even field at the strength of the flaw, times the squared share of the strength along the line; the cost of a
+/// crack has the same factor. Points whose face is pressed count as zero. Where the mean over the thickness presses and
+/// only the face is pulled, the stress of the face counts as bending. Beyond a joined edge the mean of this side
+/// counts. A large zone is sampled. No crack starts where less is stored than its line costs: a field that is high
+/// along the line only stores less than the line suggests.
 double stored_in_zone(const ShellModel& model, const ShellState& state, EnergyReleaseZone& own, double radius,
                       const Vec2& p, const Vec2& along, int face, double even);
 

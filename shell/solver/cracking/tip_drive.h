@@ -47,8 +47,8 @@ double critical_length(const ShellMaterial& material, double strength, double st
 /// sqrt(4 (1 + nu) / (3 + nu)) a. The half-length where nothing opens the crack. (Until a crack is critical it releases
 /// half of that.)
 double zone_radius(const ShellMaterial& material, double half_length, double stretching, double bending);
-/// Energy that the stress across a line stores, whatever Poisson's ratio, over thickness / (2 E) [Pa^2], from its mean
-/// over the thickness and what bending adds on a face [Pa]. A mean that presses counts as zero.
+/// Energy that the stress across a line stores, over thickness / (2 E) [Pa^2]. It comes from the mean over the
+/// thickness and the bending stress on a face [Pa]; Poisson's ratio does not count. A mean that presses counts as zero.
 double stored_by(double stretching, double bending);
 
 /// Cauchy stress of the lower, then of the upper face: 11 22 12 each [Pa]. False where the point bears nothing.

@@ -6,7 +6,7 @@ namespace sunder::shell {
 
 /// Applies the force discontinuity of new cracks. Cracks change the force between the half kick before them and the
 /// half kick after them. The half kick that led to the present positions, of a substep `dt` [s], is repeated with the
-/// force before the cracks, so that the velocity at these positions does not change. The force must be that of the
+/// force before the cracks. So the velocity at these positions does not change. The force must be that of the
 /// present positions. The energy that leapfrog conserves (kinetic_energy) mostly falls; the loss is booked with the
 /// energy that the cracks released. Where it would rise, only the share of the discontinuity that conserves it is
 /// applied. Remaining gains are charged to the energy that the same cracks released. Any excess is booked as

@@ -16,7 +16,7 @@ constexpr double kEnough = 1.006;
 /// for shells that yield or are damaged, twice as many power iterations. Both approach it from above. The first guess
 /// is noise on control points within reach of `around` (everywhere where that is empty). A mode that a new crack or a
 /// smaller mass makes is local, and an older mode would not contain it. `as_if_free` leaves supports out. A free edge
-/// halves the stable step of a clamped plate, and every crack makes free edges, so a shell that can crack is treated as
+/// halves the stable step of a clamped plate, and every crack makes free edges. So a shell that can crack is treated as
 /// free from the start.
 double stable_step(const ShellModel& model, ShellState& state, int iterations, int threads, bool as_if_free,
                    const std::vector<Vec2>& around = {});

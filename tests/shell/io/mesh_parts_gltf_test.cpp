@@ -92,8 +92,8 @@ TEST_F(MeshGltf, NodesPlaceAndMirrorTheirMeshes) {
   EXPECT_NEAR(area(r), 8.0, 1e-8);
   Eigen::AlignedBox3d box;
   for (const Vec3& x : r.shells[0].model.patch.control_points) box.extend(x);
-  // the sheet from (0, 0, 1) to (2, 0, 0) is scaled to (0, 0, -2) to (4, 0, 0), and turned to x from -2 to 0, z from -4
-  // to 0
+  // the sheet from (0, 0, 1) to (2, 0, 0) is scaled to (0, 0, -2) to (4, 0, 0); turned, its x goes from -2 to 0 and its
+  // z from -4 to 0
   EXPECT_LT((box.min() - Vec3(-2, 0, 1)).norm(), 1e-6);
   EXPECT_LT((box.max() - Vec3(0, 4, 1)).norm(), 1e-6);
   EXPECT_EQ(read_shell_mesh(scene::load(folder.path + "/scene.textproto", {}), "shells[0].mesh",
@@ -141,8 +141,8 @@ TEST_F(MeshGltf, TextureCoordinatesAreThoseOfFramesWithTheirVUp) {
   }
 }
 
-// A material's picture: offset (0.1, 0.2), scale (2, 3), and a turn by 90 degrees to the left in a picture whose v goes
-// down, which takes (1, 0) to (0, -1) and (0, 1) to (1, 0).
+// A material's picture: offset (0.1, 0.2), scale (2, 3), and a turn by 90 degrees to the left. In a picture v goes
+// down, so the turn takes (1, 0) to (0, -1) and (0, 1) to (1, 0).
 std::string with_picture(const std::string& picture) {
   std::string text =
       replaced(with_texture(kFloats), "{ \"name\": \"clear\" }",

@@ -367,8 +367,8 @@ TEST(VaryingThickness, IsThatOfPiecesThatLeave) {
   EXPECT_NEAR(most, 0.00325, 1e-4);
 }
 
-// A ball whose lowest point is 1 mm above the middle overlaps with the thick end, whose face is 2 mm above it, and not
-// with the thin one, at 0.5 mm.
+// The lowest point of a ball is 1 mm above the middle surface. It overlaps with the thick end, whose face is at 2 mm,
+// and not with the thin one, at 0.5 mm.
 TEST(VaryingThickness, IsThatOfContact) {
   const ShellModel m = make_shell("p", plate(0.4, 0.2, 40, 20, Vec3(0.2, 0.1, 0), Quat::Identity()), 0.004, glass(), 2,
                                   2, {}, {}, {}, along_u(1.0, 0.25, 0.4));

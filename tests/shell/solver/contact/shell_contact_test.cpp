@@ -88,8 +88,8 @@ std::pair<double, double> let_meet(std::vector<SurfaceSample> samples, double ti
   return {nearest, fastest};
 }
 
-// A strip of a surface, `x(s, y)` where it lies flat at (s, y, 0) at rest and `along(s, y)` its tangent over s, with
-// four samples to a square of `kElement`.
+// A strip of a surface, flat at rest. The point (s, y, 0) moves to `x(s, y)`, with the tangent `along(s, y)` over s. A
+// square of `kElement` has four samples.
 constexpr double kElement = 0.1;  // [m]
 template <class F, class G>
 std::vector<SurfaceSample> strip(double thickness, F&& x, G&& along, bool rests) {

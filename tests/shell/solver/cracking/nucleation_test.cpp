@@ -369,8 +369,8 @@ TEST(EnergyReleaseZone, StoredInALargeZoneIsTheSame) {
   }
 }
 
-// A crack needs a line of 12 spacings at the strength, 10 MPa times a share of it, and what is stored in a circle of as
-// many about it; half of both at the border.
+// A crack needs a line of 12 spacings at the strength, 10 MPa times a share. It also needs the energy that a circle of
+// 12 spacings around it stores. At the border it needs half of both.
 TEST(EnergyReleaseZone, StartOnlyWhereTheirZoneStoresTheEnergy) {
   struct Sheet {
     double half_width, stress, beside;                   // of a strip along v [m], in it and beside it [Pa]

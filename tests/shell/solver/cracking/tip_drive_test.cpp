@@ -96,7 +96,7 @@ TEST(CriticalLength, IsGriffithsStretchedAndThatOfWilliamsFieldBent) {
   EXPECT_NEAR(1.0 / critical_length(m, 60e6, 1.0, 1.0), 0.25 / 4.95149e-5 + 0.25 / 3.92061e-4, 0.1);
 }
 
-// The energy of a sheet per area, h E e^2 / 2 or h E k^2 h^2 / 24 in one direction, times the circle's area is the
+// A sheet stores h E e^2 / 2 or h E k^2 h^2 / 24 per area in one direction. Times the area of the circle this is the
 // energy of the crack's faces.
 TEST(ZoneRadius, StoresWhatTheCrackCosts) {
   ShellMaterial m = glass();

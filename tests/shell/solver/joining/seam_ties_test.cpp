@@ -190,7 +190,7 @@ TEST(SeamTies, FlightKeepsMomentaEnergyAndTheSeam) {
     const double first = s.forces(true) + s.kinetic(dt);
     for (int step = 0; step < 2000; ++step) s.step(dt);
     const auto after = s.sums();
-    // Round-off of 2000 steps. Leapfrog keeps energy to the square of the step over the period of the shake, and a
+    // Round-off of 2000 steps. Leapfrog keeps energy to the square of the step over the period of the shake. A
     // crease is kept at the end of a step and not within it.
     EXPECT_LT((after.momentum - before.momentum).norm(), 1e-13 * before.momentum_scale);
     EXPECT_LT((after.angular - before.angular).norm(), 1e-13 * before.angular_scale);
