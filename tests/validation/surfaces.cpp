@@ -252,7 +252,7 @@ void turn(const ShellModel& m, ShellState& s, const Vec3& axis) {
 }
 
 // Loops at random places: their stable step over that of the whole patch, before and after a cut from border to border.
-// The strain in rigid motion is measured as well, as the larger one of rest and of a turn.
+// The largest strain after a rigid turn is measured as well.
 void random_steps(Report& r, int threads) {
   constexpr int kPlaces = 200, kCoarse = 12;
   std::mt19937_64 random(7);
