@@ -107,6 +107,13 @@ class House(unittest.TestCase):
         there = {".".join(p.relative_to(TOP).with_suffix("").parts) for p in (TOP / "tests").rglob("test_*.py")}
         self.assertEqual(run, there)
 
+    def test_what_compiles_starts_before_other_tests(self) -> None:
+        text = (TOP / "tests" / "CMakeLists.txt").read_text()
+        cost = {name: int(number) for names, number in re.findall(r"set_tests_properties\(([\w ]+) PROPERTIES COST (\d+)\)", text)
+                for name in names.split()}
+        self.assertEqual(max(cost, key=lambda name: cost[name]), "sanitized")
+        self.assertIn("command_sources", cost)
+
     def test_libraries_are_named_where_they_belong(self) -> None:
         homes = {r"zmq": {"coupler/link/channel.cpp", "coupler/link/keys.cpp"}, r"CGAL/": {"shell/fracture/cdt.h", "shell/fracture/outline.cpp",
                                                             "shell/fracture/medial_axis.cpp", "shell/contact/hull.cpp",
