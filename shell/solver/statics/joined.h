@@ -18,8 +18,8 @@ struct JoinedShells {
 };
 
 /// Numbers the free displacements of joined shells. Dependent control points have none. A field is
-/// [shell][3][component stride]. Two kinds of seams are constraints instead: ties along trims, and creases that keep the
-/// length of a weighted sum of positions.
+/// [shell][3][component stride]. Two kinds of seams are constraints instead: ties along trims, and creases that keep
+/// the length of a weighted sum of positions.
 class JoinedDegrees {
  public:
   explicit JoinedDegrees(const JoinedShells& joined);
