@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import shutil
@@ -22,7 +23,7 @@ from sunder_lab.paper import skeleton
 from sunder_lab.paper.catalogue import CASES, CORES, SIZES, TABLE_2, scaled
 from sunder_lab.paper.depth import outside
 from sunder_lab.paper.figures import FIGURES
-from sunder_lab.paper.page import command, measured, state, table
+from sunder_lab.paper.page import books_of, command, measured, state, table
 from sunder_lab.paper.panels import GAP, HEAD, shell_frames
 from sunder_lab.paper.runs import Record, Runs, about, left
 from sunder_lab.paper.views import TALL, _off_body, figure_16, hanging_together
@@ -30,6 +31,7 @@ from sunder_lab.scene import SCENES, Scene
 from sunder_tools.command import paper as subcommand
 from sunder_tools.errors import DONE, CommandError
 from sunder_tools.launch.run import COMMAND_FILE, USAGE_FILE, Job, run_scene
+from sunder_tools.pictures.crack_lines import Graph, within
 from sunder_tools.pictures.frames import BODIES, SHELL
 from sunder_tools.pictures.vtp import PolyData
 from sunder_tools.report.run_json import read_run
@@ -158,6 +160,16 @@ class Skeleton(unittest.TestCase):
         self.assertGreater(line.sum(), 2 * 3.14 * 12 * 0.7)
         self.assertTrue((np.abs(np.hypot(x, y)[line] - 12.0) < 2.0).all())
 
+    def test_cracks_are_measured_against_a_box(self) -> None:
+        ends = np.array([[[0.1, 0.1], [0.4, 0.5]], [[0.4, 0.5], [0.4, 1.5]], [[0.4, 1.5], [0.4, 2.0]]])
+        graph = Graph(ends, np.zeros((3, 2, 3)), np.zeros(3, int), np.array([2.0, 1.0, 3.0]))
+        found = within(graph, np.array([0.0, 0.0]), np.array([1.0, 0.9]))
+        self.assertAlmostEqual(found.length, 2.0)
+        self.assertAlmostEqual(found.share, 0.25)
+        self.assertFalse(found.first)
+        self.assertTrue(within(graph, np.array([0.0, 0.0]), np.array([1.0, 1.1])).first)
+        self.assertTrue(math.isnan(within(graph.some(graph.born < 0.0), np.zeros(2), np.ones(2)).share))
+
     def test_what_has_moved_is_counted(self) -> None:
         one = np.zeros((20, 20), bool)
         one[5] = True
@@ -277,6 +289,18 @@ class Told(unittest.TestCase):
             self.assertEqual(measured(runs, "fig12"), {})
             (folder / "run.json").write_text('{"status": "failed"}')
             self.assertEqual(measured(runs, "fig13"), {})
+
+    def test_books_are_those_of_the_run(self) -> None:
+        run = {"status": "done", "ledger": {"linear_max": 1e-14, "angular_max": 3e-13},
+               "energy": {"residual_relative": -2e-3, "window_gap": 0.05}, "cracks": {"resistance": 2.5}}
+        words = books_of("fig17", "small", run)
+        for part in ("impulses agree to 3e-13", "-0.002 of the largest", "0.05 J, which is 0.02 of G_f", "2.5 J."):
+            self.assertIn(part, words)
+        run["cracks"] = {"resistance": 0.0, "length_m": 3.0}  # damage has none: 250 J/m2 times 5 mm times 3 m
+        self.assertIn("G_f times the area of the cracks, 3.75 J.", books_of("fig14_even", "small", run))
+        for case in ("fig01", "fig13"):  # two materials, and one without a strength
+            self.assertNotIn("G_f", books_of(case, "small", run))
+        self.assertEqual(books_of("fig13", "small", {"status": "failed"}), "")
 
     def test_a_scene_that_is_edited_while_it_runs_is_run_again(self) -> None:
         with tempfile.TemporaryDirectory() as name:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import html
 import json
+import math
 from pathlib import Path
 from typing import Any, Iterable
 
@@ -80,6 +81,9 @@ def _figure(runs: Runs, figure: Figure) -> list[str]:
         out.append(f"<p><b>What came out.</b></p>{_list(drawn['found'])}")
     elif not told:
         out.append("<p><b>Here.</b> Not run yet.</p>")
+    books = [words for case in figure.cases if (words := books_of(case, runs.size, read_run(runs.place(case))))]
+    if books:
+        out.append(f"<p><b>Books.</b></p>{_list(books)}")
     warnings = [f"{case}: {w}" for case in figure.cases for w in read_run(runs.place(case)).get("warnings") or []]
     if warnings:
         out.append(f"<p><b>Warnings of the runs.</b></p>{_list(warnings)}")
@@ -87,6 +91,29 @@ def _figure(runs: Runs, figure: Figure) -> list[str]:
     out.append("<details><summary>Commands</summary><pre>" + "\n".join(_text(command(case, runs.size)) for case in figure.cases)
                + "</pre></details>")
     return out
+
+
+def fracture_energy(case: str, size: str, run: dict[str, Any]) -> float:
+    """G_f times the area of the cracks [J]; NaN where shells of several strengths or thicknesses have cracked together."""
+    if run["cracks"]["resistance"] > 0.0:
+        return float(run["cracks"]["resistance"])
+    scene = CASES[case].made(size).message
+    of = {m.name: m.fracture_energy for m in scene.materials if m.strength > 0.0}
+    costs = {of[s.material] * s.thickness_m for s in scene.shells if s.material in of}  # [J/m]
+    return float(run["cracks"]["length_m"]) * (costs.pop() if len(costs) == 1 else math.nan)
+
+
+def books_of(case: str, size: str, run: dict[str, Any]) -> str:
+    """What the books of a run miss, in words; empty where it has not been run to its end."""
+    if run.get("status") != "done":
+        return ""
+    ledger, energy, needed = run["ledger"], run["energy"], fracture_energy(case, size, run)
+    words = (f"{case}: impulses agree to {max(ledger['linear_max'], ledger['angular_max']):.1g} of those exchanged; the energy "
+             f"that is missing at the end is {energy['residual_relative']:.1g} of the largest energy of the run, its largest "
+             f"change in a window {energy['window_gap']:.2g} J")
+    if needed > 0.0:
+        words += f", which is {energy['window_gap'] / needed:.1g} of G_f times the area of the cracks, {needed:.3g} J"
+    return words + "."
 
 
 def command(case: str, size: str) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 
 from sunder_tools.pictures.contact_sheet import DIRECTION
-from sunder_tools.pictures.crack_lines import Graph, graph_of, grown
+from sunder_tools.pictures.crack_lines import Graph, graph_of, grown, within
 from sunder_tools.pictures.flat import crack_pattern, shards_of
 from sunder_tools.pictures.frames import BODIES, CRACKS, MOVING, SHELL, STATIC, Frame, list_frames
 from sunder_tools.pictures.meshes import reference_points, weld
@@ -131,13 +131,11 @@ def _last_cracks(frames: list[Frame]) -> PolyData | None:
 
 def _share_inside(graph: Graph, low: np.ndarray, high: np.ndarray) -> str:
     """How much of the cracks is within a box of parameters, and where the first of them began."""
-    if len(graph) == 0:
+    found = within(graph, low, high)
+    if found.length == 0.0:
         return "no crack grew."
-    length = np.linalg.norm(graph.ends[:, 1] - graph.ends[:, 0], axis=1)
-    inside = ((graph.ends.mean(axis=1) >= low) & (graph.ends.mean(axis=1) <= high)).all(axis=1)
-    first = inside[int(np.argmin(graph.born))]
-    return (f"{length.sum():.2f} m of cracks, {100.0 * length[inside].sum() / length.sum():.0f} % of it in the region; the first "
-            f"begins {'inside' if first else 'outside'}.")
+    return (f"{found.length:.2f} m of cracks, {100.0 * found.share:.0f} % of it in the region; the first "
+            f"begins {'inside' if found.first else 'outside'}.")
 
 
 def _cracks_at_rest(frames: list[Frame], graph: Graph, weak: tuple[np.ndarray, np.ndarray] | None) -> Image.Image:

@@ -1,8 +1,10 @@
 """Crack lines of a run: the edges of one frame, in the parameters of their shell and on the sheet at rest."""
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -66,3 +68,19 @@ def last_graph(folder: Path) -> Graph:
 def grown(graph: Graph) -> Graph:
     """Returns the grown edges, without cuts at time zero."""
     return graph.some(graph.born > 0.0)
+
+
+class Within(NamedTuple):
+    """Cracks, and what of them lies in a box of parameters."""
+    length: float  # [m] of all
+    share: float   # of that length within the box; NaN without cracks
+    first: bool    # the first of them began within the box
+
+
+def within(graph: Graph, low: np.ndarray, high: np.ndarray) -> Within:
+    """Measures cracks against the box from `low` to `high` (u, v); an edge counts by its middle."""
+    if len(graph) == 0:
+        return Within(0.0, math.nan, False)
+    length = np.linalg.norm(graph.ends[:, 1] - graph.ends[:, 0], axis=1)
+    inside = ((graph.ends.mean(axis=1) >= low) & (graph.ends.mean(axis=1) <= high)).all(axis=1)
+    return Within(float(length.sum()), float(length[inside].sum() / length.sum()), bool(inside[int(np.argmin(graph.born))]))
