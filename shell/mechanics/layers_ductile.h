@@ -36,7 +36,7 @@ struct DuctileSection {
   double brittleness;
   T strength;                      // [Pa]
   PointDamage* const* points;      // [lane]; null: the lane is not watched
-  const Forms<T>& last;            // forms of the last substep
+  const LastForms<T>& last;        // forms of the last substep
   PlasticState<T>* plastic;        // in and, if it advances, out: [layer]
   T* damage;                       // out: [layer]; without healing it holds the least damage on entry
   T work{};                        // out: plastic work of the weakened stress [J/m^2]
@@ -130,7 +130,7 @@ inline Resultants<T> integrate_ductile_layers(const Forms<T>& f, const Reference
   };
   for (std::size_t l = 0; l <= top; ++l) {
     const double z = layers.zeta[l], w = layers.weight[l];
-    const Sym2<T> c = at_height(f.a, f.b, z), before = at_height(in.last.a, in.last.b, z);
+    const Sym2<T> c = at_height(f.a, f.b, z), before = at_height(in.last.forms.a, in.last.forms.b, z);
     const Sym2<T> a = reference_at(ref, layers, l);
     const auto with = [&](const Sym2<T>& change) {
       return Sym2<T>{a.c11 + change.c11, a.c22 + change.c22, a.c12 + change.c12};
@@ -168,7 +168,8 @@ inline Resultants<T> integrate_ductile_layers(const Forms<T>& f, const Reference
           const T work = plastic_work<T>(p.s, c, now, flow) + plastic_work<T>(q.s, before, from, flow);
           const T lost =
               plastic_work<T>(removed, c, now, flow) + plastic_work<T>(less(q_full.s, q.s), before, from, flow);
-          in.work += (0.5 * w) * work, in.lost_flow += (0.5 * w) * lost, full_flow = 0.5 * (work + lost);
+          in.work += (0.5 * w) * select(in.last.known, work, T{});
+          in.lost_flow += (0.5 * w) * lost, full_flow = 0.5 * (work + lost);
         }
         if (any(damage > 0.0)) {
           const T missed = missed_energy<T>({p_full, c, now}, {q_full, before, from}, full_flow, e);
@@ -242,7 +243,7 @@ struct DuctileLayers {
 
     template <bool kEnergy, bool kRecord, bool kAdvance, class Mask>
     [[gnu::noinline]] Resultants<T> integrate(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
-      const Forms<T> last = load(f, summed);
+      const LastForms<T> last = load(f, summed);
       DuctileSection<T> section{flow.places.t.layers, flow.places.t.elasticity, flow.law.law, weak.brittleness,
                                 weak.strength,        weak.points.data(),       last,         flow.states,
                                 weak.damage};
@@ -279,16 +280,14 @@ struct DuctileLayers {
 
     // Loads the states. Returns the previous forms; those of lanes that have none, or are not `summed`, are `f`.
     template <class Mask>
-    Forms<T> load(const Forms<T>& f, const Mask& summed) {
+    LastForms<T> load(const Forms<T>& f, const Mask& summed) {
       const Places& places = flow.places;
-      const RowPlasticity& law = flow.law;
-      flow.each_field([&](T& v, int fields, int field) { v = places.load(*law.states, fields, field); });
+      flow.each_field([&](T& v, int fields, int field) { v = places.load(*flow.law.states, fields, field); });
       if constexpr (!kHeals)
         for (int i = 0; i < lanes<T>(); ++i)
           for (std::size_t l = 0; l < places.t.layers.zeta.size(); ++l)
             set_lane(weak.damage[l], i, weak.points[i] ? weak.points[i]->history[l] : 0.0);
-      const auto known = summed & (places.load(*law.forms, kFormFields, 0) > 0.0);
-      return flow.last_forms(f, known);
+      return flow.last_forms(f, summed);
     }
   };
 

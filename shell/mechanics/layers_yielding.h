@@ -126,17 +126,24 @@ inline Sym2<T> within(const Sym2<T>& s, const T& limit) {
   return {share * s.c11, share * s.c22, share * s.c12};
 }
 
+/// Forms at which a section bore last.
+template <class T>
+struct LastForms {
+  Forms<T> forms;
+  decltype(T{} < T{}) known;  // lanes that bore; for others `forms` are the present ones
+};
+
 /// Resultants of layers that yield. `plastic` has the state of each layer, and `kAdvance` replaces it by the new state.
 /// With `kAdvance` or `kEnergy`, `dissipated` gains the plastic work per reference area [J/m^2] of the step from the
 /// forms `last` to `f`. It is taken at the mean of both stresses: the work of leapfrog's forces, to second order of the
-/// step. Without `last` it is taken at the present stress. `faces`, if given, gets the true stress of the outermost
-/// layers, extrapolated to the face while they are elastic. Resultants would give 1.5 times the yield stress for a
-/// section that yields through its thickness.
+/// step. Lanes that did not bear add none: no force did work on the way to `f`. Without `last` the work is taken at the
+/// present stress. `faces`, if given, gets the true stress of the outermost layers, extrapolated to the face while they
+/// are elastic. Resultants would give 1.5 times the yield stress for a section that yields through its thickness.
 template <class T, bool kEnergy, bool kAdvance>
 inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers,
                                                const Elasticity& e, const Yielding& y, PlasticState<T>* plastic,
                                                T& dissipated, FaceStress<T>* faces = nullptr,
-                                               const Forms<T>* last = nullptr) {
+                                               const LastForms<T>* last = nullptr) {
   Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
   const std::size_t top = layers.zeta.size() - 1;
   const double half = half_height(layers);
@@ -162,8 +169,9 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
       const Sym2<T> flow{s.change.c11 - old.c11, s.change.c22 - old.c22, s.change.c12 - old.c12};
       T work = plastic_work<T>(p.s, c, now, flow);
       if (last && any(flowed)) {
-        const Sym2<T> before = at_height(last->a, last->b, z), from = with(old);
+        const Sym2<T> before = at_height(last->forms.a, last->forms.b, z), from = with(old);
         work = 0.5 * (work + plastic_work<T>(plane_stress<T>(before, from, e).s, before, from, flow));
+        work = select(last->known, work, T{});
       }
       dissipated += w * work;
       if constexpr (kAdvance) plastic[l] = s;
@@ -210,8 +218,8 @@ struct RowPlasticity {
   Yielding law;
   std::vector<double>* states = nullptr;  // [block][layer][change 11 22 12, strain][lane]; null: no layer yields
   // Forms at which the states last advanced: [block][kFormFields][lane]. The first is negative where the point did not
-  // bear; then the previous stress is taken as the present one. The second is negative where the states of the
-  // point may differ from zero. Where it is positive they are all zero, and nobody has to read them.
+  // bear; the flow by which it bears again does no work. The second is negative where the states of the point may
+  // differ from zero. Where it is positive they are all zero, and nobody has to read them.
   std::vector<double>* forms = nullptr;
   bool advance = false;     // states advance
   double dissipated = 0.0;  // gains the plastic work of states that advance [J]
@@ -243,8 +251,7 @@ struct YieldingLayers {
     template <bool kEnergy, bool kRecord, bool kAdvance, class Mask>
     [[gnu::noinline]] Resultants<T> integrate(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
       each_field([&](T& v, int fields, int field) { v = places.load(*law.states, fields, field); });
-      const auto known = summed & (places.load(*law.forms, kFormFields, 0) > 0.0);
-      Forms<T> last = last_forms(f, known);
+      const LastForms<T> last = last_forms(f, summed);
       return integrate_yielding_layers<T, kEnergy, kAdvance>(f, ref, places.t.layers, places.t.elasticity, law.law,
                                                              states, work, kRecord ? &faces : nullptr, &last);
     }
@@ -293,9 +300,10 @@ struct YieldingLayers {
       return T{};
     }
 
-    // The previous forms of lanes that are `known`, elsewhere `f`.
+    // The previous forms of lanes that are `summed` and have any, elsewhere `f`.
     template <class Mask>
-    Forms<T> last_forms(const Forms<T>& f, const Mask& known) const {
+    LastForms<T> last_forms(const Forms<T>& f, const Mask& summed) const {
+      const decltype(T{} < T{}) known = summed & (places.load(*law.forms, kFormFields, 0) > 0.0);
       const auto before = [&](const T& now, int k) {
         return select(known, places.load(*law.forms, kFormFields, k), now);
       };
@@ -303,7 +311,7 @@ struct YieldingLayers {
       Forms<T> last{};
       last.a = {before(f.a.c11, 0), select(a22 < 0.0, -a22, a22), before(f.a.c12, 2)};
       last.b = {before(f.b.c11, 3), before(f.b.c22, 4), before(f.b.c12, 5)};
-      return last;
+      return {last, known};
     }
 
     // Prestress is not linear through the thickness: its layers are looked at one by one.

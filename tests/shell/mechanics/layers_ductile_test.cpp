@@ -370,6 +370,38 @@ TEST(DuctileLayers, ATornBarStoresWhatTearingTookHoweverFarItIsStretchedAndFlows
       }
 }
 
+// What bore nothing books no plastic work as it bears again, below its strength and beyond it. Below, states and forces
+// are those of a panel that was spread from rest, and the next step books as there.
+TEST(DuctileLayers, WhatWasFlattenedBooksNothingAsItBearsAgain) {
+  constexpr double kFlat = 0.5 * (0.1 * 0.1 - 1.0);  // Green's strain at a tenth of the length
+  for (const bool gathered : {false, true})
+    for (const bool heals : {true, false})
+      for (const bool weakens : {false, true}) {
+        const ShellModel m = ductile_panel(kYield, 0.0, weakens ? kStrength : 1e3 * kYield);
+        ShellState pressed = watched(m, heals, gathered), spread = watched(m, heals, gathered);
+        const double strain = weakens ? Bar::most() + 0.5 * (kFirst + kComplete) : Bar::most();
+        stretch(m, pressed, kFlat, 0.0), compute_forces(m, pressed, false, 1.0, 1);
+        for (ShellState* s : {&pressed, &spread}) stretch(m, *s, strain, 0.0);
+        const double before = compute_forces(m, pressed, true, 0.0, 1),
+                     after = compute_forces(m, pressed, true, 1.0, 1);
+        EXPECT_EQ(pressed.book.plastic, 0.0) << gathered << heals << weakens;
+        EXPECT_NEAR(before, after + pressed.book.lost(), 1e-12 * after) << gathered << heals << weakens;
+        EXPECT_GT(*std::max_element(pressed.layers.plastic.begin(), pressed.layers.plastic.end()), 0.0);
+        compute_forces(m, spread, false, 1.0, 1);
+        EXPECT_GT(spread.book.plastic, 0.0);
+        const double first = spread.book.plastic;
+        if (!weakens) {
+          EXPECT_EQ(pressed.layers.plastic, spread.layers.plastic);
+          EXPECT_EQ(pressed.motion.force, spread.motion.force);
+        }
+        for (ShellState* s : {&pressed, &spread}) stretch(m, *s, strain, -strain), compute_forces(m, *s, false, 1.0, 1);
+        EXPECT_GT(pressed.book.plastic, 0.0);
+        if (!weakens) {
+          EXPECT_NEAR(pressed.book.plastic, spread.book.plastic - first, 1e-12 * spread.book.plastic);
+        }
+      }
+}
+
 TEST(DuctileLayers, FacesOfALaminateLieBeyondItsCore) {
   EXPECT_NEAR(half_height(plies(2, 0.01, 0.004)), 0.005, 1e-15);
   EXPECT_NEAR(half_height(plies(5, 0.01, 0.0001)), 0.005, 1e-15);

@@ -235,6 +235,36 @@ TEST(Plasticity, StatesThatWereNeverWrittenAreNotRead) {
   EXPECT_GT(compute_forces(m, s, true, 0.0, 1), 0.1 * work);
 }
 
+// A sheet is pressed to a tenth of its area, where it bears nothing, and spread far beyond yield. No force did work on
+// the way, so the flow is no work, whether rows, gathered points or a new edge find it. States and forces are those of
+// a sheet that was spread from rest, and so is the work of the next step.
+TEST(Plasticity, WhatWasFlattenedBooksNothingAsItBearsAgain) {
+  const ShellModel m = wide(kSteel.hardening_modulus);
+  const std::vector<Vec2> cut{{0.31, 0.37}, {0.63, 0.58}}, more{{0.31, 0.67}, {0.63, 0.88}};
+  ShellState pressed = make_state(m, Vec3::Zero(), 0), spread = pressed;
+  for (ShellState* s : {&pressed, &spread}) insert_polyline(m, *s, cut, 0.0);
+  ASSERT_GT(pressed.cracked.gathered.size(), 50u);
+  deform(m, pressed, -0.9, 0.0);
+  EXPECT_EQ(compute_forces(m, pressed, true, 1.0, 2), 0.0);
+  for (ShellState* s : {&pressed, &spread}) deform(m, *s, 2e-2, 0.5);
+  ShellState cracking = pressed;
+  const double before = compute_forces(m, pressed, true, 0.0, 2);  // work that is not booked yet counts as stored
+  const double after = compute_forces(m, pressed, true, 1.0, 2);
+  EXPECT_EQ(pressed.book.plastic, 0.0);
+  EXPECT_NEAR(before / after, 1.0, 1e-12);
+  compute_forces(m, spread, false, 1.0, 2);
+  EXPECT_GT(spread.book.plastic, 10.0 * after);
+  EXPECT_EQ(pressed.layers.plastic, spread.layers.plastic);
+  EXPECT_EQ(pressed.motion.force, spread.motion.force);
+  insert_polyline(m, cracking, more, 0.0);
+  EXPECT_NE(cracking.layers.plastic, std::vector<double>(cracking.layers.plastic.size(), 0.0));
+  EXPECT_EQ(cracking.book.plastic, 0.0);
+  const double first = spread.book.plastic;
+  for (ShellState* s : {&pressed, &spread}) deform(m, *s, 2.5e-2, 0.4), compute_forces(m, *s, false, 1.0, 2);
+  EXPECT_GT(pressed.book.plastic, 0.0);
+  EXPECT_NEAR(pressed.book.plastic, spread.book.plastic - first, 1e-12 * spread.book.plastic);
+}
+
 TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
   // resultants would tell 1.5 times as much
   const double first_yield = 2.0 * kSteel.yield_stress / (kSteel.youngs_modulus * 0.01);
