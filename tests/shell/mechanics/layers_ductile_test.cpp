@@ -370,36 +370,31 @@ TEST(DuctileLayers, ATornBarStoresWhatTearingTookHoweverFarItIsStretchedAndFlows
       }
 }
 
-// What bore nothing books no plastic work as it bears again, below its strength and beyond it. Below, states and forces
-// are those of a panel that was spread from rest, and the next step books as there.
+// What bore nothing books no plastic work as it bears again. States and forces are those of a panel that was spread
+// from rest, and the next step books as there. The strength is out of reach: beyond it, damage may take the place of
+// flow.
 TEST(DuctileLayers, WhatWasFlattenedBooksNothingAsItBearsAgain) {
   constexpr double kFlat = 0.5 * (0.1 * 0.1 - 1.0);  // Green's strain at a tenth of the length
+  const double strain = Bar::most();
   for (const bool gathered : {false, true})
-    for (const bool heals : {true, false})
-      for (const bool weakens : {false, true}) {
-        const ShellModel m = ductile_panel(kYield, 0.0, weakens ? kStrength : 1e3 * kYield);
-        ShellState pressed = watched(m, heals, gathered), spread = watched(m, heals, gathered);
-        const double strain = weakens ? Bar::most() + 0.5 * (kFirst + kComplete) : Bar::most();
-        stretch(m, pressed, kFlat, 0.0), compute_forces(m, pressed, false, 1.0, 1);
-        for (ShellState* s : {&pressed, &spread}) stretch(m, *s, strain, 0.0);
-        const double before = compute_forces(m, pressed, true, 0.0, 1),
-                     after = compute_forces(m, pressed, true, 1.0, 1);
-        EXPECT_EQ(pressed.book.plastic, 0.0) << gathered << heals << weakens;
-        EXPECT_NEAR(before, after + pressed.book.lost(), 1e-12 * after) << gathered << heals << weakens;
-        EXPECT_GT(*std::max_element(pressed.layers.plastic.begin(), pressed.layers.plastic.end()), 0.0);
-        compute_forces(m, spread, false, 1.0, 1);
-        EXPECT_GT(spread.book.plastic, 0.0);
-        const double first = spread.book.plastic;
-        if (!weakens) {
-          EXPECT_EQ(pressed.layers.plastic, spread.layers.plastic);
-          EXPECT_EQ(pressed.motion.force, spread.motion.force);
-        }
-        for (ShellState* s : {&pressed, &spread}) stretch(m, *s, strain, -strain), compute_forces(m, *s, false, 1.0, 1);
-        EXPECT_GT(pressed.book.plastic, 0.0);
-        if (!weakens) {
-          EXPECT_NEAR(pressed.book.plastic, spread.book.plastic - first, 1e-12 * spread.book.plastic);
-        }
-      }
+    for (const bool heals : {true, false}) {
+      const ShellModel m = ductile_panel(kYield, 0.0, 1e3 * kYield);
+      ShellState pressed = watched(m, heals, gathered), spread = watched(m, heals, gathered);
+      stretch(m, pressed, kFlat, 0.0), compute_forces(m, pressed, false, 1.0, 1);
+      for (ShellState* s : {&pressed, &spread}) stretch(m, *s, strain, 0.0);
+      const double before = compute_forces(m, pressed, true, 0.0, 1), after = compute_forces(m, pressed, true, 1.0, 1);
+      EXPECT_EQ(pressed.book.plastic, 0.0) << gathered << heals;
+      EXPECT_NEAR(before, after + pressed.book.lost(), 1e-12 * before) << gathered << heals;
+      EXPECT_GT(*std::max_element(pressed.layers.plastic.begin(), pressed.layers.plastic.end()), 0.0);
+      compute_forces(m, spread, false, 1.0, 1);
+      EXPECT_GT(spread.book.plastic, 0.0);
+      const double first = spread.book.plastic;
+      EXPECT_EQ(pressed.layers.plastic, spread.layers.plastic);
+      EXPECT_EQ(pressed.motion.force, spread.motion.force);
+      for (ShellState* s : {&pressed, &spread}) stretch(m, *s, strain, -strain), compute_forces(m, *s, false, 1.0, 1);
+      EXPECT_GT(pressed.book.plastic, 0.0);
+      EXPECT_NEAR(pressed.book.plastic, spread.book.plastic - first, 1e-12 * spread.book.plastic);
+    }
 }
 
 TEST(DuctileLayers, FacesOfALaminateLieBeyondItsCore) {

@@ -258,7 +258,8 @@ TEST(Plasticity, WhatWasFlattenedBooksNothingAsItBearsAgain) {
   EXPECT_EQ(pressed.motion.force, spread.motion.force);
   insert_polyline(m, cracking, more, 0.0);
   EXPECT_NE(cracking.layers.plastic, std::vector<double>(cracking.layers.plastic.size(), 0.0));
-  EXPECT_EQ(cracking.book.plastic, 0.0);
+  // a point that the next edge touches again flows by round-off
+  EXPECT_LT(std::abs(cracking.book.plastic), 1e-12 * after);
   const double first = spread.book.plastic;
   for (ShellState* s : {&pressed, &spread}) deform(m, *s, 2.5e-2, 0.4), compute_forces(m, *s, false, 1.0, 2);
   EXPECT_GT(pressed.book.plastic, 0.0);
