@@ -164,17 +164,17 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   std::vector<const ShellModel*> models;
   std::vector<ShellRef> refs;
   std::vector<double> steps;
-  std::vector<char> can_crack;
+  std::vector<char> as_if_free;
   for (std::size_t k = 0; k < setup.shells.size(); ++k) {
     const ShellModel& m = setup.shells[k].model;
     states.push_back(std::make_unique<ShellState>(make_state(m, Vec3::Zero(), 0)));
     models.push_back(&m), refs.push_back({&m, states[k].get()});
-    steps.push_back(own_step(scene, setup, k, *states[k])), can_crack.push_back(setup.shells[k].can_crack());
+    steps.push_back(own_step(scene, setup, k, *states[k])), as_if_free.push_back(steps_as_if_free(setup, k));
   }
   Stitching stitching(setup.stitches, models);
   if (!stitching.empty()) {
     stitching.move_masses(refs);
-    steps = joined_steps(refs, stitching, steps, can_crack, kJoinedIterations, 1);
+    steps = joined_steps(refs, stitching, steps, as_if_free, kJoinedIterations, 1);
   }
   const double smallest = *std::min_element(steps.begin(), steps.end());
   double allowed = std::numeric_limits<double>::infinity(), memory = 0.0;

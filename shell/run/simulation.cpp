@@ -230,12 +230,14 @@ void Simulation::start_shells(const std::function<void()>& look) {
           setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step, kEnough * step);
   if (state.stitching.empty()) return;
   state.stitching.move_masses(refs());
-  std::vector<char> can_crack;
+  std::vector<char> as_if_free;
   std::vector<double> alone;
-  for (const ShellPart& part : state.shells)
-    can_crack.push_back(part.setup->can_crack()), alone.push_back(part.initial_step);
+  for (const ShellPart& part : state.shells) {
+    as_if_free.push_back(steps_as_if_free(setup_, part.setup - setup_.shells.data()));
+    alone.push_back(part.initial_step);
+  }
   const std::vector<double> joined =
-      joined_steps(refs(), state.stitching, alone, can_crack, kJoinedIterations, model.threads);
+      joined_steps(refs(), state.stitching, alone, as_if_free, kJoinedIterations, model.threads);
   for (std::size_t k = 0; k < state.shells.size(); ++k)
     state.shells[k].initial_step = state.shells[k].smallest_step = joined[k];
 }

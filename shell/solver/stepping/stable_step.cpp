@@ -3,6 +3,7 @@
 #include "shell/solver/forces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -90,9 +91,10 @@ double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
   return eigen.eigenvalues()[found - 1];
 }
 
-/// Returns 2 / sqrt(lambda_max) [s] by power iteration. The velocities hold the first guess.
-template <class Forces>
-double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces) {
+/// Returns 2 / sqrt(lambda_max) [s] by power iteration. The velocities hold the first guess. `settle` takes back what
+/// supports and joints do not let move.
+template <class Forces, class Settle>
+double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces, const Settle& settle) {
   double epsilon = std::numeric_limits<double>::infinity(), points = 0.0, lambda = 0.0;
   for (Probed& p : shells) {
     p.at_rest = p.s.motion.force;
@@ -100,6 +102,7 @@ double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces
   }
   epsilon *= std::sqrt(points);
   for (int it = 0; it < iterations; ++it) {
+    settle();
     double norm = 0.0;
     for (Probed& p : shells) {
       const std::size_t stride = p.s.motion.inverse_mass.size();
@@ -113,14 +116,15 @@ double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces
     for (Probed& p : shells)
       for (std::size_t i = 0; i < p.x.size(); ++i) p.s.motion.x[i] = p.x[i] + epsilon * (p.s.motion.v[i] / norm);
     forces();
-    double sum = 0.0;
     for (Probed& p : shells) {
       const std::size_t stride = p.s.motion.inverse_mass.size();
-      for (std::size_t i = 0; i < p.s.motion.v.size(); ++i) {
+      for (std::size_t i = 0; i < p.s.motion.v.size(); ++i)
         p.s.motion.v[i] = -(p.s.motion.force[i] - p.at_rest[i]) / epsilon * p.s.motion.inverse_mass[i % stride];
-        sum += p.s.motion.v[i] * p.s.motion.v[i];
-      }
     }
+    settle();
+    double sum = 0.0;
+    for (const Probed& p : shells)
+      for (const double v : p.s.motion.v) sum += v * v;
     lambda = std::sqrt(sum);
   }
   if (lambda <= 0.0) return std::numeric_limits<double>::infinity();
@@ -158,18 +162,47 @@ double stable_step(const ShellModel& m, ShellState& s, int iterations, int threa
     const double lambda = largest_eigenvalue(shells[0], iterations, forces);
     if (lambda > 0.0) step = step_of(m.material, std::sqrt(lambda));
   } else {
-    step = iterate(shells, 2 * iterations, forces);
+    step = iterate(shells, 2 * iterations, forces, [] {});
   }
   shells[0].force = std::move(shells[0].at_rest);  // callers need the forces of the present positions
   shells[0].restore();
   return step;
 }
 
+namespace {
+
+// Control points that a support holds along some axes only, of shells that are not taken as free: [shell][axis][slot].
+// Empty where there are none.
+std::vector<std::array<std::vector<int>, 3>> held_along_axes(const std::vector<ShellRef>& refs,
+                                                             const std::vector<char>& as_if_free) {
+  std::vector<std::array<std::vector<int>, 3>> out(refs.size());
+  bool any = false;
+  for (std::size_t k = 0; k < refs.size(); ++k)
+    for (int d = 0; d < 3 && !as_if_free[k]; ++d)
+      for (const int slot : refs[k].model->constraints.held[d])
+        if (refs[k].model->held[slot] == 0) out[k][d].push_back(slot), any = true;
+  if (!any) out.clear();
+  return out;
+}
+
+}  // namespace
+
 double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int iterations, int threads,
                    const std::vector<char>& as_if_free) {
   const auto forces = [&] {
     for (const ShellRef& r : refs) compute_forces(*r.model, *r.state, false, 0.0, threads);
     stitching.move_forces(refs);
+  };
+  // A tie's force on an axis along which a support holds goes into the support, as constrain() has it in a run.
+  const auto held = held_along_axes(refs, as_if_free);
+  const auto settle = [&] {
+    if (held.empty()) return;
+    for (std::size_t k = 0; k < refs.size(); ++k) {
+      std::vector<double>& v = refs[k].state->motion.v;
+      for (int d = 0; d < 3; ++d)
+        for (const int slot : held[k][d]) v[d * (v.size() / 3) + slot] = 0.0;
+    }
+    stitching.update_dependent_velocities(refs);
   };
   std::vector<Probed> shells;
   for (std::size_t k = 0; k < refs.size(); ++k) shells.emplace_back(refs[k], as_if_free[k] != 0);
@@ -178,17 +211,17 @@ double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int 
   for (Probed& p : shells)
     for (double& v : p.s.motion.v) v = noise(random);
   stitching.align_velocities(refs);
-  const double step = iterate(shells, iterations, forces);
+  const double step = iterate(shells, iterations, forces, settle);
   for (Probed& p : shells) p.restore();
   return step;
 }
 
 std::vector<double> joined_steps(const std::vector<ShellRef>& shells, Stitching& stitching,
-                                 const std::vector<double>& alone, const std::vector<char>& can_crack, int iterations,
+                                 const std::vector<double>& alone, const std::vector<char>& as_if_free, int iterations,
                                  int threads) {
-  const double together = stable_step(shells, stitching, iterations, threads, can_crack);
+  const double together = stable_step(shells, stitching, iterations, threads, as_if_free);
   std::vector<double> out;
-  for (std::size_t k = 0; k < shells.size(); ++k) out.push_back(std::max(can_crack[k] ? alone[k] : 0.0, together));
+  for (std::size_t k = 0; k < shells.size(); ++k) out.push_back(std::max(as_if_free[k] ? alone[k] : 0.0, together));
   return out;
 }
 

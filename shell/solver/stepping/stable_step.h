@@ -21,15 +21,16 @@ constexpr double kEnough = 1.006;
 double stable_step(const ShellModel& model, ShellState& state, int iterations, int threads, bool as_if_free,
                    const std::vector<Vec2>& around = {});
 
-/// The same for shells that are joined, by power iteration; `as_if_free` is given for each.
+/// The same for shells that are joined, by power iteration; `as_if_free` is given for each. In other shells a control
+/// point that a support holds along some axes does not move along them, and bears what ties ask of it there.
 double stable_step(const std::vector<ShellRef>& shells, Stitching& stitching, int iterations, int threads,
                    const std::vector<char>& as_if_free);
 
 /// Returns the initial stable steps [s] of joined shells whose own steps are `alone`. Joined shells share mass and
 /// stiffness, so together they are at least as stable as the least stable one alone; mostly more, since joined edges
-/// are not free. A shell that can crack keeps its own step where that is longer.
+/// are not free. A shell that is taken `as_if_free` keeps its own step where that is longer.
 std::vector<double> joined_steps(const std::vector<ShellRef>& shells, Stitching& stitching,
-                                 const std::vector<double>& alone, const std::vector<char>& can_crack, int iterations,
+                                 const std::vector<double>& alone, const std::vector<char>& as_if_free, int iterations,
                                  int threads);
 
 }  // namespace sunder::shell
