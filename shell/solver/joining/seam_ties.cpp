@@ -309,7 +309,7 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
     s->mobility[d].resize(static_cast<Eigen::Index>(s->points.size()));
     for (std::size_t k = 0; k < s->points.size(); ++k) {
       const auto& [shell, slot] = s->points[k];
-      s->mobility[d][static_cast<Eigen::Index>(k)] = fixed_[shell][d][slot] ? 0.0 : s->inverse[k];
+      s->mobility[d][static_cast<Eigen::Index>(k)] = fixed_[shell][d][slot] && !free(shell) ? 0.0 : s->inverse[k];
     }
     for (int e = 0; e < d && !s->factors[d]; ++e)
       if (s->mobility[e] == s->mobility[d]) s->factors[d] = s->factors[e];
@@ -337,6 +337,18 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
   }
   solver_ = s;
   return *solver_;
+}
+
+void SeamTies::leave_supports_out(std::vector<char> free) {
+  const auto holds = [](const std::vector<char>& slots) {
+    return std::find(slots.begin(), slots.end(), 1) != slots.end();
+  };
+  bool any = false;
+  for (std::size_t k = 0; k < free.size() && k < fixed_.size(); ++k)
+    any = any || (free[k] && std::any_of(fixed_[k].begin(), fixed_[k].end(), holds));
+  if (!any) free.clear();
+  if (free == free_) return;
+  free_ = std::move(free), solver_.reset();
 }
 
 void SeamTies::add_forces(const std::vector<ShellRef>& shells, std::vector<double>& (*field)(ShellState&)) {

@@ -57,6 +57,9 @@ class SeamTies {
   SeamTies(SeamRows rows, const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells);
 
   bool empty() const { return rows_.empty(); }
+  /// From now on, what supports of the shells with 1 in `free` hold along some axes counts as free: for a step that is
+  /// measured as if it were. An empty list brings all supports back.
+  void leave_supports_out(std::vector<char> free);
   /// Adds the forces of ties to `field`, so that tied control points accelerate alike.
   void add_forces(const std::vector<ShellRef>& shells, std::vector<double>& (*field)(ShellState&));
   /// Takes from the velocities what would part the ties over a drift of `dt` [s]; 0: regardless of positions. What acts
@@ -133,6 +136,7 @@ class SeamTies {
   };
   struct Solver;
   const Solver& solver(const std::vector<ShellRef>& shells);
+  bool free(int shell) const { return !free_.empty() && free_[shell] != 0; }
 
   static Row row_of(std::vector<WeightedSlot> terms, const std::vector<const ShellModel*>& shells);
   Row renewed(const Seam& seam, const std::vector<ShellRef>& shells, RowOrigin origin,
@@ -145,6 +149,7 @@ class SeamTies {
   std::vector<TiePlaces> places_;                        // [seam]
   bool cracked_ = false;                                 // cracks have changed rows
   std::vector<std::array<std::vector<char>, 3>> fixed_;  // [shell][axis][slot]: a support holds it along this axis only
+  std::vector<char> free_;                               // [shell]: 1 where supports are left out; empty: nowhere
   std::shared_ptr<const Solver> solver_;                 // for the masses of now; made anew where they change
 };
 

@@ -39,6 +39,8 @@ class Stitching {
 
   /// Sets velocities of dependent control points from the independent ones.
   void update_dependent_velocities(const std::vector<ShellRef>& shells) const;
+  /// As SeamTies::leave_supports_out().
+  void leave_supports_out(const std::vector<char>& free) { ties_.leave_supports_out(free); }
   /// Makes velocities such that ties and dependent control points hold.
   void align_velocities(const std::vector<ShellRef>& shells);
   /// Calls back (shell, slot, shell, slot) for each pair of control points that is still joined.

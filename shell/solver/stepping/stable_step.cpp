@@ -204,6 +204,7 @@ double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int 
     }
     stitching.update_dependent_velocities(refs);
   };
+  stitching.leave_supports_out(as_if_free);
   std::vector<Probed> shells;
   for (std::size_t k = 0; k < refs.size(); ++k) shells.emplace_back(refs[k], as_if_free[k] != 0);
   forces();
@@ -212,6 +213,7 @@ double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int 
     for (double& v : p.s.motion.v) v = noise(random);
   stitching.align_velocities(refs);
   const double step = iterate(shells, iterations, forces, settle);
+  stitching.leave_supports_out({});
   for (Probed& p : shells) p.restore();
   return step;
 }
