@@ -81,9 +81,7 @@ void measure(std::map<std::string, double>& out) {
 }  // namespace
 
 ProcessBenchmark beside_benchmark() {
-  return {"beside",
-          {{"two_threads_time_ratio", 1.0 / 1.85, "times"}, {"two_threads_time_ratio_beside", 1.03, "times"}},
-          measure};
+  return {"beside", {"two_threads_time_ratio", "two_threads_time_ratio_beside"}, measure};
 }
 
 }  // namespace sunder::bench

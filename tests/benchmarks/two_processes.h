@@ -6,16 +6,9 @@
 
 namespace sunder::bench {
 
-/// A number that is reported, and what it should be at most.
-struct Goal {
-  const char* key;
-  double at_most;
-  const char* unit;
-};
-
 struct ProcessBenchmark {
-  const char* name;  // as --filter knows it
-  std::vector<Goal> goals;
+  const char* name;               // as --filter knows it
+  std::vector<const char*> keys;  // of its numbers that have goals (goals.py); there may be others
   /// Puts a value for each key into the map, and prints what was compared and how far it spread. Throws Error where a
   /// process cannot be started or gives another answer than it must: what is fast and wrong is not measured.
   void (*measure)(std::map<std::string, double>& out);

@@ -4,6 +4,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import math
 import os
 import tempfile
 import unittest
@@ -14,6 +15,7 @@ from sunder_tools import errors
 from sunder_tools.launch import build
 from sunder_tools.pictures.plots import there
 from sunder_tools.places import BUILD_DIR_VARIABLE
+from tests.benchmarks import goals
 from tests.validation import experiments, measure, results, trials
 
 from . import sunder
@@ -145,6 +147,40 @@ class Measuring(unittest.TestCase):
                 found = results.result_of("shells", json.loads(table.read_text()), 1.0, {})
                 self.assertEqual(found.in_words(), "1 skipped")
                 self.assertEqual(found.rows[0]["note"], "needs the archive")
+
+    def bench(self, numbers: dict[str, float | None], *arguments: str) -> tuple[int, str]:
+        self.program("sunder-bench", "out = sys.argv[sys.argv.index('--json') + 1]\n"
+                     f"open(out, 'w').write({json.dumps(json.dumps(numbers))})")
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            return sunder(["bench", *arguments]), out.getvalue()
+
+    def test_numbers_stand_beside_their_goals_and_one_beyond_its_limit_fails(self) -> None:
+        key, goal = "share_of_fma_peak", goals.GOALS["share_of_fma_peak"]
+        for value, how, status in ((goal.goal, "met", 0), (goal.limit, "missed", 0), (0.99 * goal.limit, "BEYOND", 1), (None, "BEYOND", 1)):
+            ended, said = self.bench({"other": 7.0, key: value})
+            self.assertEqual(ended, status, f"{value}")
+            self.assertRegex(said, rf"other +7\n{key} .*goal ≥ 0.35, limit ≥ 0.22: {how}")
+        self.assertIn(f"beyond the limit: {key}", self.said.getvalue())
+        table = self.folder / "bench.json"
+        self.assertEqual(self.bench({key: 0.1}, "--json", str(table))[0], 1)  # what is beyond is written too
+        self.assertEqual(json.loads(table.read_text()), {key: 0.1})
+
+    def test_a_cracked_point_is_judged_beside_an_intact_one(self) -> None:
+        table = self.folder / "bench.json"
+        numbers: dict[str, float | None] = {"force_ns_per_layer_point": 4.0, "force_ns_per_layer_point_mls": 12.0}
+        ended, said = self.bench(numbers, "--json", str(table))
+        self.assertEqual(ended, 0)
+        self.assertRegex(said, r"cracked_point_ratio +3 .*goal ≤ 3.3, .*: met")
+        self.assertEqual(json.loads(table.read_text()), {**numbers, "cracked_point_ratio": 3.0})
+        self.assertEqual(self.bench({**numbers, "force_ns_per_layer_point_mls": 100.0})[0], 1)
+
+    def test_every_limit_can_fail_and_is_no_stricter_than_its_goal(self) -> None:
+        for key, goal in goals.GOALS.items():
+            self.assertTrue(goal.within(goal.goal), key)
+            self.assertFalse(goal.within(goal.limit * (0.99 if goal.least else 1.01)), key)
+            self.assertEqual(goals.beyond({key: goal.limit * (0.99 if goal.least else 1.01)}), [key])
+            self.assertEqual(goals.beyond({key: math.nan}), [key])
+            self.assertEqual(goals.beyond({key: goal.limit}), [])
 
     def test_zeners_equation_has_the_published_answers(self) -> None:
         for inelasticity, known in ((0.1, 0.8433), (0.5, 0.4369), (1.0, 0.1841)):

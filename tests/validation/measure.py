@@ -16,6 +16,7 @@ from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.words import did_you_mean
 
+from ..benchmarks import goals
 from ..conformance import suites
 from .experiments import EXPERIMENTS, Table, run_experiments
 from .extremes.suite import validate_extremes
@@ -143,7 +144,8 @@ def _without_nan(value: object) -> object:
 
 
 def bench(pattern: str | None, report: Path | None, profile: Path | None = None) -> int:
-    """Runs the benchmarks with `pattern` in their names. `profile`: draws the rates of the force kernel there."""
+    """Runs the benchmarks with `pattern` in their names, and prints their numbers beside goals and limits. The exit status
+    is 1 where a number is beyond its limit. `profile`: draws the rates of the force kernel there."""
     command = [str(program("sunder-bench"))]
     if pattern:
         command += ["--filter", pattern]
@@ -155,13 +157,27 @@ def bench(pattern: str | None, report: Path | None, profile: Path | None = None)
                                BAD_INPUT)
         _can_plot(profile, "--profile")
     with tempfile.TemporaryDirectory() as folder:
-        numbers = report if report is not None else Path(folder) / "bench.json" if profile is not None else None
-        if numbers is not None:
-            command += ["--json", str(numbers)]
-        status = run_program(command)
-        if profile is not None and numbers is not None and status == DONE:
-            _draw_kernels(json.loads(numbers.read_text()), profile)
-    return status
+        numbers = report if report is not None else Path(folder) / "bench.json"
+        status = run_program([*command, "--json", str(numbers)])
+        if status != DONE:
+            return status
+        found = goals.with_ratios(json.loads(numbers.read_text()))
+        if report is not None:
+            _write(report, json.dumps(found, indent=2) + "\n")
+        if profile is not None:
+            _draw_kernels(found, profile)
+    return judged(found)
+
+
+def judged(numbers: dict[str, float | None]) -> int:
+    """Prints numbers beside goals and limits; returns 1 where one is beyond its limit. JSON has null for one that is no
+    number."""
+    finite = {key: math.nan if value is None else value for key, value in numbers.items()}
+    print("\n".join(goals.lines(finite)), flush=True)
+    failed = goals.beyond(finite)
+    if failed:
+        print(f"sunder: beyond the limit: {', '.join(failed)}", file=sys.stderr)
+    return CHECK_FAILED if failed else DONE
 
 
 def _draw_kernels(numbers: dict[str, float], path: Path) -> None:
