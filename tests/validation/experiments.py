@@ -227,6 +227,8 @@ EXPERIMENTS = {"shells": (
     Experiment("trim_crack", "a crack over a tie along a trim runs as in the single patch", _later("trim_runs", "trim_crack")),
     Experiment("trim_piece", "a piece over such a tie leaves as one body", _later("trim_runs", "trim_piece")),
 ), "surfaces": (
+    Experiment("models", "mass of the shells of meshes of scenes against the sum over their triangles",
+               _later("mesh_models", "mesh_models")),
     Experiment("public", "CAD files and meshes that others published, fetched from Debian's archive, which it needs",
                _later("public_files", "public_files"), by_name=True),
 )}
