@@ -1,4 +1,4 @@
-// With cad_face and cad_names, the only files that use OpenCASCADE.
+// With cad_crossings, cad_face and cad_names, the only files that use OpenCASCADE.
 #include "shell/io/cad_file.h"
 
 #ifndef SUNDER_CAD
@@ -43,8 +43,11 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <fstream>
 #include <iostream>
 #include <memory>
-#include <optional>
+#include <new>
+#include <numeric>
+#include <set>
 #include <sstream>
+#include <system_error>
 #include <tuple>
 
 #include <BRepAdaptor_Curve.hxx>
@@ -64,30 +67,28 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <Interface_Static.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
+#include <Standard_OutOfMemory.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
-#include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
-#include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
-#include <TopoDS_Vertex.hxx>
-#include <TransferBRep.hxx>
-#include <Transfer_TransientProcess.hxx>
-#include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <gp_Trsf.hxx>
 
 #include "coupler/core/nearest.h"
+#include "shell/io/cad_crossings.h"
 #include "shell/io/cad_face.h"
 #include "shell/io/cad_names.h"
+#include "shell/io/cad_trial.h"
 
 namespace sunder::shell {
 namespace {
 
-constexpr int kStretches = 16;  // of an edge that is no line, between points that tell its course
+constexpr int kStretches = 16;        // of an edge that is no line, between points that tell its course
+constexpr double kMostTrialS = 60.0;  // of processor time that a file may take to be read and converted [s]
 
 /// Silences OpenCASCADE, which prints to the caller's standard output.
 class Quiet {
@@ -111,61 +112,43 @@ bool is_whole_iges(const std::string& file) {
   return last.size() > 72 && last[72] == 'T';
 }
 
-// Returns f() and turns failures of OpenCASCADE into Errors.
+// Returns f() and turns failures of OpenCASCADE into Errors. Throws std::bad_alloc where memory is short.
 template <class F>
 auto guarded(const scene::LoadedScene& scene, const std::string& field, const std::string& path, F&& f) {
   try {
     return f();
+  } catch (const Standard_OutOfMemory&) {
+    throw std::bad_alloc();
   } catch (const Standard_Failure& e) {
     scene.fail(field + ".path", fmt::format("'{}': OpenCASCADE fails with {} ({}); export it again, or simpler", path,
                                             e.DynamicType()->Name(), e.GetMessageString()));
   }
 }
 
-// A face of a file whose border meets itself. OpenCASCADE divides it there, without a word.
-struct Crossing {
-  TopTools_IndexedMapOfShape faces;  // that it becomes
-  std::string entry;                 // of the file
-  gp_Pnt at;                         // in the axes of its part
-};
-
-// A corner that two faces without a common edge have in one place.
-std::optional<gp_Pnt> touching_corner(const TopoDS_Shape& one, const TopoDS_Shape& other) {
-  for (TopExp_Explorer a(one, TopAbs_EDGE); a.More(); a.Next())
-    for (TopExp_Explorer b(other, TopAbs_EDGE); b.More(); b.Next())
-      if (a.Current().IsSame(b.Current())) return std::nullopt;
-  for (TopExp_Explorer a(one, TopAbs_VERTEX); a.More(); a.Next())
-    for (TopExp_Explorer b(other, TopAbs_VERTEX); b.More(); b.Next()) {
-      const TopoDS_Vertex v = TopoDS::Vertex(a.Current()), w = TopoDS::Vertex(b.Current());
-      const gp_Pnt at = BRep_Tool::Pnt(v);
-      if (at.Distance(BRep_Tool::Pnt(w)) <= BRep_Tool::Tolerance(v) + BRep_Tool::Tolerance(w)) return at;
-    }
-  return std::nullopt;
+// Does in a process of its own what OpenCASCADE is to do here. Throws Error where that process does not come through.
+void try_first(const scene::LoadedScene& scene, const std::string& field, const std::string& path,
+               const std::function<void()>& work) {
+  const double bytes = most_trial_bytes();
+  std::string fault;
+  try {
+    fault = trial_fault(tried(work, kMostTrialS, bytes), "OpenCASCADE's reader", kMostTrialS, bytes);
+  } catch (const std::system_error& e) {
+    fault = fmt::format("was not read, as no process for it starts: {}; end others, or raise the limits of this one",
+                        e.code().message());
+  }
+  scene.check(fault.empty(), field + ".path", "'{}' {}", path, fault);
 }
 
-// The faces of a file that became several which touch at a corner.
-std::vector<Crossing> crossings_of(const XSControl_Reader& reader) {
-  std::vector<Crossing> out;
-  const auto model = reader.WS()->Model();
-  const auto results = reader.WS()->TransferReader()->TransientProcess();
-  for (int i = 1; i <= model->NbEntities(); ++i) {
-    const auto entry = model->Value(i);
-    const std::string type = entry->DynamicType()->Name();
-    if (type != "StepShape_AdvancedFace" && type != "StepShape_FaceSurface" && type != "IGESGeom_TrimmedSurface" &&
-        type != "IGESGeom_BoundedSurface" && type != "IGESSolid_Face")
-      continue;
-    const TopoDS_Shape shape = TransferBRep::ShapeResult(results, entry);
-    if (shape.IsNull() || shape.ShapeType() == TopAbs_FACE) continue;
-    Crossing found;
-    TopExp::MapShapes(shape, TopAbs_FACE, found.faces);
-    std::optional<gp_Pnt> at;
-    for (int a = 1; a <= found.faces.Extent() && !at; ++a)
-      for (int b = 1; b < a && !at; ++b) at = touching_corner(found.faces(a), found.faces(b));
-    if (!at) continue;
-    found.entry = model->StringLabel(entry)->ToCString(), found.at = *at;
-    out.push_back(std::move(found));
+// In a trial: does `work` and forgets why it fails, as it will fail again. Lack of memory ends the trial.
+template <class F>
+void attempt(F&& work) {
+  try {
+    work();
+  } catch (const Standard_OutOfMemory&) {
+    throw std::bad_alloc();
+  } catch (const Standard_Failure&) {
+  } catch (const Error&) {
   }
-  return out;
 }
 
 // Unit of length of a file.
@@ -223,22 +206,6 @@ void set_unit(const CadPlace& place, const proto::CadFace& cad, const Unit& unit
   out.shape = BRepBuilderAPI_Transform(out.shape, scaled, Standard_True).Shape();
 }
 
-// What is said of faces whose border meets itself; `faces` are all of the file.
-std::map<int, std::string> crossed_faces(const std::vector<Crossing>& crossings,
-                                         const TopTools_IndexedMapOfShape& faces, double factor) {
-  std::map<int, std::string> out;
-  const double metres = kMetresPerUnit * factor;
-  for (const Crossing& c : crossings)
-    for (int i = 1; i <= faces.Extent(); ++i)
-      for (int k = 1; k <= c.faces.Extent(); ++k)
-        if (faces(i).TShape() == c.faces(k).TShape())
-          out[i - 1] = fmt::format(
-              "is a part of entry {} of the file, whose border crosses or touches itself at ({:.4g}, "
-              "{:.4g}, {:.4g}) m; mend it in the CAD program, or leave its {} faces out by `faces`",
-              c.entry, metres * c.at.X(), metres * c.at.Y(), metres * c.at.Z(), c.faces.Extent());
-  return out;
-}
-
 Content read(const CadPlace& place, const proto::CadFace& cad) {
   const std::string field = place.field + ".path";
   const std::filesystem::path file = place.scene.file_beside(field, place.path);
@@ -278,7 +245,7 @@ Content read(const CadPlace& place, const proto::CadFace& cad) {
   double factor = 1.0;
   set_unit(place, cad, unit_of(*reader, step), out, factor);
   out.names = names_of(*reader, faces);
-  out.crossed = crossed_faces(crossings_of(*reader), faces, factor);
+  out.crossed = crossed_faces(*reader, faces, factor);
   return out;
 }
 
@@ -297,12 +264,18 @@ struct CadFile::Shape {
   std::map<int, std::string> crossed;  // as Content has them
   std::vector<NamedCadFaces> bodies, layers;
   // by face, scale and width of filled holes: some take long to approximate
-  mutable std::map<std::tuple<int, double, double>, std::vector<CadSurface> > surfaces;
+  using Key = std::tuple<int, double, double>;
+  mutable std::map<Key, std::vector<CadSurface> > surfaces;
+  mutable std::set<Key> tried;  // in a process of their own
+
+  static Key key_of(const proto::CadFace& cad, int face) {
+    return {face, cad.has_scale() ? cad.scale() : 1.0, cad.fill_holes_m()};
+  }
 };
 
-CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) {
+std::shared_ptr<const CadFile::Shape> CadFile::shape_of(const scene::LoadedScene& scene, const std::string& field,
+                                                        const proto::CadFace& cad) {
   const std::string& path = cad.path();
-  const Quiet quiet;
   auto out = std::make_shared<Shape>();
   out->path = path;
   guarded(scene, field, path, [&] {
@@ -315,7 +288,35 @@ CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, cons
   });
   scene.check(out->faces.Extent() > 0, field + ".path",
               "'{}' has no face; export a surface, not curves, points or a mesh", path);
-  shape_ = std::move(out);
+  return out;
+}
+
+void CadFile::ask_all(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) const {
+  attempt([&] { edges(); });
+  attempt([&] { box(); });
+  std::vector<int> taken;
+  attempt([&] { taken = chosen(scene, field, cad); });
+  for (int k = 0; k < faces(); ++k) attempt([&] { kind(k); });
+  if (static_cast<int>(taken.size()) > kMostFaces) return;
+  for (const int face : taken)
+    if (face < faces())
+      attempt([&] {
+        for (const CadSurface& s : converted(scene, field, cad, face))
+          for (const CadLoop& loop : s.loops)
+            for (const CadBorder& border : loop.borders) border.curve.at(0.0), border.curve.at(0.5);
+      });
+}
+
+CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) {
+  const Quiet quiet;
+  try_first(scene, field, cad.path(), [&] {
+    attempt([&] { shape_ = shape_of(scene, field, cad); });
+    if (shape_) ask_all(scene, field, cad);
+  });
+  shape_ = shape_of(scene, field, cad);
+  const std::vector<int> taken = chosen(scene, field, cad);
+  if (static_cast<int>(taken.size()) <= kMostFaces)
+    for (const int face : taken) shape_->tried.insert(Shape::key_of(cad, face));
 }
 
 int CadFile::faces() const { return shape_->faces.Extent(); }
@@ -324,8 +325,18 @@ const std::vector<NamedCadFaces>& CadFile::layers() const { return shape_->layer
 
 std::vector<int> CadFile::chosen(const scene::LoadedScene& scene, const std::string& field,
                                  const proto::CadFace& cad) const {
+  if (cad.has_face()) return {cad.face()};
+  for (int k = 0; k < cad.faces_size(); ++k)
+    scene.check(cad.faces(k) < faces(), fmt::format("{}.faces[{}]", field, k),
+                "is {}, but '{}' has {} faces, counted from 0", cad.faces(k), cad.path(), faces());
+  if (cad.faces_size() > 0) return {cad.faces().begin(), cad.faces().end()};
   const bool body = !cad.body().empty();
   const std::string &name = body ? cad.body() : cad.layer(), own = field + (body ? ".body" : ".layer");
+  if (name.empty()) {
+    std::vector<int> all(faces());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
   const char* kind = body ? "body" : "layer";
   std::vector<std::string> names;
   for (const NamedCadFaces& n : body ? bodies() : layers()) {
@@ -339,22 +350,30 @@ std::vector<int> CadFile::chosen(const scene::LoadedScene& scene, const std::str
              fmt::format("is '{}', which is no {} of '{}'; {}", name, kind, shape_->path, did_you_mean(name, names)));
 }
 
+std::vector<CadSurface> CadFile::converted(const scene::LoadedScene& scene, const std::string& field,
+                                           const proto::CadFace& cad, int face) const {
+  const CadPlace place{scene, field, shape_->path, face};
+  const auto crossed = shape_->crossed.find(face);
+  if (crossed != shape_->crossed.end()) place.check(false, "{}", crossed->second);
+  return guarded(scene, field, shape_->path, [&] {
+    return convert_face(place, TopoDS::Face(shape_->faces(face + 1)), cad.has_scale() ? cad.scale() : 1.0,
+                        cad.fill_holes_m());
+  });
+}
+
 std::vector<CadSurface> CadFile::surfaces(const scene::LoadedScene& scene, const std::string& field,
                                           const proto::CadFace& cad) const {
   const Quiet quiet;
   const int n = faces();
   scene.check(cad.face() < n, field + ".face", "is {}, but '{}' has {}, counted from 0", cad.face(), shape_->path,
               n == 1 ? "one face" : fmt::format("{} faces", n));
-  const CadPlace place{scene, field, shape_->path, cad.face()};
-  const auto crossed = shape_->crossed.find(cad.face());
-  if (crossed != shape_->crossed.end()) place.check(false, "{}", crossed->second);
-  const double scale = cad.has_scale() ? cad.scale() : 1.0;
-  const std::tuple<int, double, double> key{cad.face(), scale, cad.fill_holes_m()};
+  const Shape::Key key = Shape::key_of(cad, cad.face());
   const auto known = shape_->surfaces.find(key);
   if (known != shape_->surfaces.end()) return known->second;
-  return shape_->surfaces[key] = guarded(scene, field, shape_->path, [&] {
-           return convert_face(place, TopoDS::Face(shape_->faces(cad.face() + 1)), scale, cad.fill_holes_m());
-         });
+  const bool is_new = shape_->tried.insert(key).second;
+  if (is_new)  // another shell of the scene has read the file
+    try_first(scene, field, shape_->path, [&] { attempt([&] { converted(scene, field, cad, cad.face()); }); });
+  return shape_->surfaces[key] = converted(scene, field, cad, cad.face());
 }
 
 std::vector<CadEdge> CadFile::edges() const {

@@ -11,6 +11,8 @@
 
 namespace sunder::shell {
 
+constexpr int kMostFaces = 2000;  // of a file that one shell takes: each is a shell of the run
+
 /// A stretch of a face's border, along one edge of the file.
 struct CadBorder {
   PlaneCurve curve;  // in the parameters of the patch
@@ -46,11 +48,12 @@ struct NamedCadFaces {
   std::vector<int> faces;
 };
 
-/// A file that has been read.
+/// A file that has been read. OpenCASCADE does all of it in a process of its own first (cad_trial.h): no file ends or
+/// holds this one.
 class CadFile {
  public:
-  /// Reads the file `cad.path`. Throws Error where OpenCASCADE is missing, the file cannot be read, or neither the file
-  /// nor `cad.unit_m` says its unit.
+  /// Reads the file `cad.path`. Throws Error where OpenCASCADE is missing or does not come through, the file cannot be
+  /// read, has no face that `cad` names, or neither the file nor `cad.unit_m` says its unit.
   CadFile(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad);
 
   /// Number of faces.
@@ -63,7 +66,8 @@ class CadFile {
   /// Bodies and layers that have a name and a face, in the order of their names (cad_names.h).
   const std::vector<NamedCadFaces>& bodies() const;
   const std::vector<NamedCadFaces>& layers() const;
-  /// Faces of `cad.body` or of `cad.layer`. Throws Error with the right names where there is none of that name.
+  /// Faces that `cad` takes: `face`, `faces`, those of `body` or `layer`, or all. Throws Error with the right names or
+  /// numbers where the file has none such; `face` is not checked.
   std::vector<int> chosen(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) const;
   /// All edges, in the file's size; poles are none.
   std::vector<CadEdge> edges() const;
@@ -76,6 +80,12 @@ class CadFile {
 
  private:
   struct Shape;
+  static std::shared_ptr<const Shape> shape_of(const scene::LoadedScene& scene, const std::string& field,
+                                               const proto::CadFace& cad);
+  // Asks OpenCASCADE for all that a scene with `cad` needs.
+  void ask_all(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) const;
+  std::vector<CadSurface> converted(const scene::LoadedScene& scene, const std::string& field,
+                                    const proto::CadFace& cad, int face) const;
   std::shared_ptr<const Shape> shape_;
 };
 

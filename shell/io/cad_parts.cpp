@@ -85,20 +85,8 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
       out.push_back({i, shell, 0, 0.0});
       continue;
     }
-    std::vector<int> faces(cad.faces().begin(), cad.faces().end());
     const CadFile& file = files.of(scene, field, cad);
-    const bool named = !cad.body().empty() || !cad.layer().empty();
-    if (named) {
-      faces = file.chosen(scene, field, cad);
-    } else if (!cad.has_face()) {
-      const int count = file.faces();
-      for (int k = 0; k < cad.faces_size(); ++k)
-        scene.check(cad.faces(k) < count, fmt::format("{}.faces[{}]", field, k),
-                    "is {}, but '{}' has {} faces, counted from 0", cad.faces(k), cad.path(), count);
-      for (int k = 0; k < count && cad.faces_size() == 0; ++k) faces.push_back(k);
-    } else {
-      faces.push_back(cad.face());
-    }
+    const std::vector<int> faces = file.chosen(scene, field, cad);
     scene.check(static_cast<int>(faces.size()) <= kMostFaces, field + (cad.faces_size() > 0 ? ".faces" : ".path"),
                 "'{}': {} faces would be as many shells, and at most {} are taken; choose by `faces: [0, 1, 2]`, which "
                 "`sunder inspect` numbers, or unite faces in the CAD program",

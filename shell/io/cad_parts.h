@@ -8,8 +8,6 @@
 
 namespace sunder::shell {
 
-constexpr int kMostFaces = 2000;  // of a file that one shell takes: each is a shell of the run
-
 /// A shell of a run: the index of the scene's shell, the message that it is made of, and the part of its CAD face.
 struct ScenePart {
   int shell = 0;

@@ -121,6 +121,7 @@ class House(unittest.TestCase):
                                                             "coupler/core/convex_surface.cpp"},
                  r"Spectra/": {"shell/solver/statics/modes.cpp"},
                  r".*\.hxx$": {"shell/io/cad_file.cpp", "shell/io/cad_face.cpp", "shell/io/cad_face.h",
+                               "shell/io/cad_crossings.cpp", "shell/io/cad_crossings.h",
                                "shell/io/cad_names.cpp", "shell/io/cad_names.h"}}  # OpenCASCADE
         for path in SOURCES:
             for pattern, allowed in homes.items():
