@@ -71,6 +71,7 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <TColStd_SequenceOfAsciiString.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
@@ -249,6 +250,14 @@ Content read(const CadPlace& place, const proto::CadFace& cad) {
   return out;
 }
 
+// 1 where the border of a face runs along an edge, -1 against it, 0 both ways.
+int sense_in(const TopoDS_Shape& face, const TopoDS_Edge& edge) {
+  int out = 0;
+  for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next())
+    if (it.Current().IsSame(edge)) out += it.Current().Orientation() == TopAbs_FORWARD ? 1 : -1;
+  return std::clamp(out, -1, 1);
+}
+
 std::vector<NamedCadFaces> listed(const std::map<std::string, std::set<int> >& names) {
   std::vector<NamedCadFaces> out;
   for (const auto& [name, faces] : names) out.push_back({name, {faces.begin(), faces.end()}});
@@ -263,13 +272,13 @@ struct CadFile::Shape {
   TopTools_IndexedDataMapOfShapeListOfShape faces_of_edge;
   std::map<int, std::string> crossed;  // as Content has them
   std::vector<NamedCadFaces> bodies, layers;
-  // by face, scale and width of filled holes: some take long to approximate
-  using Key = std::tuple<int, double, double>;
+  // by face, scale, width of filled holes, and whether it is turned over: some take long to approximate
+  using Key = std::tuple<int, double, double, bool>;
   mutable std::map<Key, std::vector<CadSurface> > surfaces;
   mutable std::set<Key> tried;  // in a process of their own
 
-  static Key key_of(const proto::CadFace& cad, int face) {
-    return {face, cad.has_scale() ? cad.scale() : 1.0, cad.fill_holes_m()};
+  static Key key_of(const proto::CadFace& cad, int face, bool turned) {
+    return {face, cad.has_scale() ? cad.scale() : 1.0, cad.fill_holes_m(), turned};
   }
 };
 
@@ -301,7 +310,7 @@ void CadFile::ask_all(const scene::LoadedScene& scene, const std::string& field,
   for (const int face : taken)
     if (face < faces())
       attempt([&] {
-        for (const CadSurface& s : converted(scene, field, cad, face))
+        for (const CadSurface& s : converted(scene, field, cad, face, false))
           for (const CadLoop& loop : s.loops)
             for (const CadBorder& border : loop.borders) border.curve.at(0.0), border.curve.at(0.5);
       });
@@ -316,7 +325,7 @@ CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, cons
   shape_ = shape_of(scene, field, cad);
   const std::vector<int> taken = chosen(scene, field, cad);
   if (static_cast<int>(taken.size()) <= kMostFaces)
-    for (const int face : taken) shape_->tried.insert(Shape::key_of(cad, face));
+    for (const int face : taken) shape_->tried.insert(Shape::key_of(cad, face, false));
 }
 
 int CadFile::faces() const { return shape_->faces.Extent(); }
@@ -351,13 +360,14 @@ std::vector<int> CadFile::chosen(const scene::LoadedScene& scene, const std::str
 }
 
 std::vector<CadSurface> CadFile::converted(const scene::LoadedScene& scene, const std::string& field,
-                                           const proto::CadFace& cad, int face) const {
+                                           const proto::CadFace& cad, int face, bool turned) const {
   const CadPlace place{scene, field, shape_->path, face};
   const auto crossed = shape_->crossed.find(face);
   if (crossed != shape_->crossed.end()) place.check(false, "{}", crossed->second);
   return guarded(scene, field, shape_->path, [&] {
-    return convert_face(place, TopoDS::Face(shape_->faces(face + 1)), cad.has_scale() ? cad.scale() : 1.0,
-                        cad.fill_holes_m());
+    const TopoDS_Shape& as_given = shape_->faces(face + 1);
+    return convert_face(place, TopoDS::Face(turned ? as_given.Reversed() : as_given),
+                        cad.has_scale() ? cad.scale() : 1.0, cad.fill_holes_m());
   });
 }
 
@@ -367,13 +377,14 @@ std::vector<CadSurface> CadFile::surfaces(const scene::LoadedScene& scene, const
   const int n = faces();
   scene.check(cad.face() < n, field + ".face", "is {}, but '{}' has {}, counted from 0", cad.face(), shape_->path,
               n == 1 ? "one face" : fmt::format("{} faces", n));
-  const Shape::Key key = Shape::key_of(cad, cad.face());
+  const bool turned = cad.faces_size() > 0;
+  const Shape::Key key = Shape::key_of(cad, cad.face(), turned);
   const auto known = shape_->surfaces.find(key);
   if (known != shape_->surfaces.end()) return known->second;
-  const bool is_new = shape_->tried.insert(key).second;
+  const bool is_new = shape_->tried.insert(Shape::key_of(cad, cad.face(), false)).second;
   if (is_new)  // another shell of the scene has read the file
-    try_first(scene, field, shape_->path, [&] { attempt([&] { converted(scene, field, cad, cad.face()); }); });
-  return shape_->surfaces[key] = converted(scene, field, cad, cad.face());
+    try_first(scene, field, shape_->path, [&] { attempt([&] { converted(scene, field, cad, cad.face(), false); }); });
+  return shape_->surfaces[key] = converted(scene, field, cad, cad.face(), turned);
 }
 
 std::vector<CadEdge> CadFile::edges() const {
@@ -384,11 +395,12 @@ std::vector<CadEdge> CadFile::edges() const {
     CadEdge e;
     for (const TopoDS_Shape& face : shape_->faces_of_edge.FindFromIndex(i)) {
       const int n = shape_->faces.FindIndex(face) - 1;
-      if (std::find(e.faces.begin(), e.faces.end(), n) == e.faces.end()) e.faces.push_back(n);
+      if (std::find(e.faces.begin(), e.faces.end(), n) == e.faces.end())
+        e.faces.push_back(n), e.senses.push_back(sense_in(shape_->faces(n + 1), edge));
     }
     // An edge at which a face meets itself
     if (e.faces.size() == 1 && BRep_Tool::IsClosed(edge, TopoDS::Face(shape_->faces(e.faces[0] + 1))))
-      e.faces.push_back(e.faces[0]);
+      e.faces.push_back(e.faces[0]), e.senses.assign(2, 0);
     const BRepAdaptor_Curve curve(edge);
     const gp_Pnt middle = curve.Value(0.5 * (curve.FirstParameter() + curve.LastParameter()));
     e.length = kMetresPerUnit * GCPnts_AbscissaPoint::Length(curve);

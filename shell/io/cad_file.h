@@ -40,6 +40,9 @@ struct CadEdge {
   double tolerance = 0.0;      // as the file or its reader has it: how far faces may be apart [m]
   Vec3 middle = Vec3::Zero();  // [m]
   std::vector<Vec3> points{};  // along it, evenly in its parameter, from end to end [m]
+  // For each of `faces`: 1 where its border, seen from its normal counter-clockwise, runs along the points, -1 against
+  // them, 0 where a face meets itself.
+  std::vector<int> senses{};
 };
 
 /// Faces of a file by the name of a body or of a layer.
@@ -59,8 +62,9 @@ class CadFile {
   /// Number of faces.
   int faces() const;
   /// Face `cad.face` in metres times `cad.scale`, with its loops. A face that closes on itself, has a crease or an arc
-  /// of 150 degrees is divided; one of a higher degree than shells have is approximated. Throws Error where there is no
-  /// such face, or where no approximation is near enough.
+  /// of 150 degrees is divided; one of a higher degree than shells have is approximated. With `cad.faces` beside
+  /// `cad.face`, which no scene has, the face is turned over. Throws Error where there is no such face, or where no
+  /// approximation is near enough.
   std::vector<CadSurface> surfaces(const scene::LoadedScene& scene, const std::string& field,
                                    const proto::CadFace& cad) const;
   /// Bodies and layers that have a name and a face, in the order of their names (cad_names.h).
@@ -85,7 +89,7 @@ class CadFile {
   // Asks OpenCASCADE for all that a scene with `cad` needs.
   void ask_all(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) const;
   std::vector<CadSurface> converted(const scene::LoadedScene& scene, const std::string& field,
-                                    const proto::CadFace& cad, int face) const;
+                                    const proto::CadFace& cad, int face, bool turned) const;
   std::shared_ptr<const Shape> shape_;
 };
 

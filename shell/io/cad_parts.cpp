@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "shell/io/cad_sides.h"
 #include "shell/io/mesh_parts.h"
 #include "shell/io/part_names.h"
 #include "shell/io/ring_sectors.h"
@@ -93,11 +94,13 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
                 cad.path(), faces.size(), kMostFaces);
     const std::vector<CadEdge> edges = file.edges();
     check_edges(scene, field, cad, edges, faces);
+    const std::vector<int> turned = faces.size() > 1 ? faces_to_turn(edges, faces) : std::vector<int>();
     std::vector<ScenePart> own;
     for (const int face : faces) {
       ScenePart part{i, shell, 0, 0.0};
       part.message.mutable_cad()->clear_faces();
       part.message.mutable_cad()->set_face(face);
+      if (std::binary_search(turned.begin(), turned.end(), face)) part.message.mutable_cad()->add_faces(face);
       const std::vector<CadSurface> surfaces = file.surfaces(scene, field, part.message.cad());
       const auto count = static_cast<int>(surfaces.size());
       for (const CadSurface& s : surfaces) part.apart = std::max(part.apart, kTolerances * s.error);

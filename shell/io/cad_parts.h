@@ -9,6 +9,7 @@
 namespace sunder::shell {
 
 /// A shell of a run: the index of the scene's shell, the message that it is made of, and the part of its CAD face.
+/// Where the face is turned over, `cad.faces` of the message has it too.
 struct ScenePart {
   int shell = 0;
   proto::Shell message;

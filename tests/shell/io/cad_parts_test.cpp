@@ -309,8 +309,8 @@ TEST_F(CadParts, ASliverIsRefusedAndCanBeLeftOut) {
   EXPECT_EQ(setup(cad, "seams { tolerance_m: 4e-7 }").stitches.seams.size(), 1u);
 }
 
-// The faces of a box without an edge in common, each moved outwards [mm].
-TopoDS_Shape loose_box(double outwards) {
+// The faces of a box without an edge in common, each moved outwards [mm]; one of them, from 1, is turned over.
+TopoDS_Shape loose_box(double outwards, int turned = 0) {
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(BRepPrimAPI_MakeBox(40, 30, 20).Shape(), TopAbs_FACE, faces);
   const BRep_Builder build;
@@ -321,7 +321,7 @@ TopoDS_Shape loose_box(double outwards) {
     BRepGProp::SurfaceProperties(faces(i), p);
     gp_Trsf moved;
     moved.SetTranslation(outwards * gp_Vec(gp_Pnt(20, 15, 10), p.CentreOfMass()).Normalized());
-    build.Add(out, faces(i).Moved(TopLoc_Location(moved)));
+    build.Add(out, (i == turned ? faces(i).Reversed() : faces(i)).Moved(TopLoc_Location(moved)));
   }
   return out;
 }
@@ -336,6 +336,60 @@ TEST_F(CadParts, LooseFacesAreJoinedUpToTheTolerance) {
   EXPECT_SAYS(error(cad), " nearly meet: they are ");
   EXPECT_SAYS(error(cad), "seams.tolerance_m");
   EXPECT_EQ(setup(cad, "seams { tolerance_m: 2e-5 }").stitches.seams.size(), 12u);
+}
+
+// How many shells look away from the middle of the box.
+int outwards(const RunSetup& r) {
+  int out = 0;
+  for (const ShellSetup& s : r.shells) {
+    const Patch& p = s.model.patch;
+    const SurfacePoint q = p.evaluate(0.5 * Vec2(p.knots_u.end(), p.knots_v.end()));
+    out += q.u.cross(q.v).dot(q.x - Vec3(0.02, 0.015, 0.01)) > 0.0;
+  }
+  return out;
+}
+
+TEST_F(CadParts, ALooseFaceThatLooksTheOtherWayIsTurnedOver) {
+  const std::string cad = "path: 'a.igs' element_m: 0.005";
+  write_iges(loose_box(0.0), file("a.igs"));
+  ASSERT_EQ(outwards(setup(cad)), 6);
+  for (int turned = 1; turned <= 6; ++turned) {
+    write_iges(loose_box(0.0, turned), file("a.igs"));
+    const RunSetup r = setup(cad);
+    EXPECT_EQ(r.stitches.seams.size(), 12u);
+    EXPECT_EQ(outwards(r), 6) << turned;
+    double area = 0.0;
+    for (const ShellSetup& s : r.shells)
+      for (const double part : s.model.mass) area += part / (2500 * 1e-4);
+    EXPECT_NEAR(area, 2e-4 * (4 * 3 + 3 * 2 + 2 * 4), 1e-9);
+    int single = 0;
+    for (int face = 0; face < 6; ++face) single += outwards(setup(fmt::format("{} face: {}", cad, face)));
+    EXPECT_EQ(single, 5) << turned;  // a face by itself is as the file has it
+  }
+}
+
+// Two plates, one beside the other or turned over, that have no edge in common.
+TopoDS_Shape loose_plates(bool turned) {
+  const BRep_Builder build;
+  TopoDS_Compound out;
+  build.MakeCompound(out);
+  build.Add(out, BRepBuilderAPI_MakeFace(gp_Pln(), 0, 40, 0, 20).Face());
+  const TopoDS_Shape other = BRepBuilderAPI_MakeFace(gp_Pln(), -30, 0, 0, 20).Shape();
+  build.Add(out, turned ? other.Reversed() : other);
+  return out;
+}
+
+TEST_F(CadParts, SmoothLooseFacesAreTurnedToOneSideAndJoined) {
+  for (const bool turned : {false, true}) {
+    write_iges(loose_plates(turned), file("a.igs"));
+    const RunSetup r = setup("path: 'a.igs' element_m: 0.005");
+    ASSERT_EQ(r.stitches.seams.size(), 1u) << turned;
+    EXPECT_TRUE(r.stitches.seams[0].smooth);
+    for (const ShellSetup& s : r.shells) {
+      const SurfacePoint q = s.model.patch.evaluate({0.001, 0.001});
+      EXPECT_GT(q.u.cross(q.v).z(), 0.0) << turned;
+    }
+  }
 }
 
 // Two plates, one above the other by `apart` [mm], that the file joins at an edge all the same.
