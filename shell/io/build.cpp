@@ -16,6 +16,7 @@
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
 #include "shell/io/mesh_parts.h"
+#include "shell/io/near_parts.h"
 #include "shell/io/part_names.h"
 #include "shell/io/space_places.h"
 #include "shell/io/strength_factors.h"
@@ -442,6 +443,8 @@ RunSetup build(const scene::LoadedScene& scene) {
   const bool several = r.shells.size() > static_cast<std::size_t>(m.shells_size());
   if (m.has_seams() || several) r.stitches = make_stitches(scene, parts, files, r);
   if (several) check_joined(scene, parts, files, r);
+  if (several)
+    for (const NearParts& near : near_parts(r)) r.touching.push_back(near_warning(r, near));
   check_pairs(scene, r);
   note_seams(r);
   settle_cuts(scene, parts, r);

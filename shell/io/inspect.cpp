@@ -10,6 +10,7 @@
 #include "shell/io/cad_parts.h"
 #include "shell/io/element_fit.h"
 #include "shell/io/inspect_frame.h"
+#include "shell/io/near_parts.h"
 
 namespace sunder::shell {
 namespace {
@@ -176,7 +177,7 @@ std::string inspect_report(const std::string& file, double element, double unit,
               {"bodies", named_of(cad.bodies())},
               {"layers", named_of(cad.layers())},
               {"edges", edges_of(cad)}};
-  out["seams"] = nullptr, out["seams_refused"] = nullptr;
+  out["seams"] = nullptr, out["seams_refused"] = nullptr, out["near"] = Json::array();
   if (!taken.empty()) try {
       const std::vector<ScenePart> parts = scene_parts(scene, files);
       for (const ScenePart& part : parts)
@@ -185,6 +186,8 @@ std::string inspect_report(const std::string& file, double element, double unit,
         const RunSetup setup = build(scene);
         if (!frame.empty()) write_frame_of(setup, frame);
         int smooth = 0, along_trims = 0;
+        out["thickness_m"] = free_thickness(setup, scene.message.shells(0).thickness_m());
+        for (const NearParts& near : near_parts(setup)) out["near"].push_back(near_warning(setup, near));
         for (const Seam& s : setup.stitches.seams) smooth += s.smooth, along_trims += s.trimmed();
         out["seams"] = {{"joined", setup.stitches.seams.size()}, {"smooth", smooth}, {"along_trims", along_trims}};
       }
