@@ -138,6 +138,9 @@ def _add_shape(name: str, shape: Any, parent: Any, collection: Any, at: np.ndarr
     mesh.update(calc_edges=True)
     if np.isfinite(shape.uv).all():
         mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", _flat(shape.uv[corners.ravel()]))
+    if np.isfinite(shape.colour).all():
+        rgba = np.column_stack([shape.colour, np.ones(len(shape.colour))])
+        mesh.color_attributes.new("Color", "FLOAT_COLOR", "POINT").data.foreach_set("color", _flat(rgba))
     if np.isfinite(shape.rest).all():
         mesh.attributes.new("rest_position", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", _flat(shape.rest))
     if shape.velocity:  # not named `velocity`: Cycles would blur all frames by this one

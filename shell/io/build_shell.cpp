@@ -312,7 +312,10 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   check_thickness(scene, model.tables, model.patch, field);
   std::optional<Paint> paint;
   if (s.has_mesh() && s.mesh().has_strength_paint()) paint = files.mesh(scene, field + ".mesh", s).paint(part);
-  if (s.has_mesh()) model.texture = files.mesh(scene, field + ".mesh", s).texture_map(part);
+  if (s.has_mesh()) {
+    const MeshShells& mesh = files.mesh(scene, field + ".mesh", s);
+    model.texture = mesh.texture_map(part), model.colour = mesh.colour_map(part);
+  }
   model.strength_factor = strength_factors(scene, s, model, field, paint ? &*paint : nullptr);
   for (int q = 0; q < model.tables.blocks(); ++q)
     for (int e = 0; e < model.tables.spans_u; ++e) {

@@ -1,5 +1,6 @@
 #include "shell/io/frame_bodies.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -16,7 +17,8 @@ struct BodyMesh {
   VtpArray shell{"shell", 1, {}, true};  // of pieces of shells; -1 for other bodies
   // displacement and parameters of pieces of shells; zero for other bodies
   VtpArray displacement{"displacement", 3, {}, false, "m"}, uv{"uv", 2, {}};
-  BodyId id = 0;  // of the body that is drawn, and its kind
+  VtpArray colour{"colour", 3, {}};  // where some piece has one; white for other bodies
+  BodyId id = 0;                     // of the body that is drawn, and its kind
   int kind_now = 0;
   void cell(std::vector<int> corners) {
     mesh.polygons.push_back(std::move(corners));
@@ -104,6 +106,8 @@ void add_places(BodyMesh& out, const DrawnMesh* piece) {
     const Vec2 p = piece ? piece->uv[i - first] : Vec2(Vec2::Zero());
     out.displacement.values.insert(out.displacement.values.end(), {u.x(), u.y(), u.z()});
     out.uv.values.insert(out.uv.values.end(), {p.x(), p.y()});
+    const Vec3 rgb = piece && !piece->colour.empty() ? piece->colour[i - first] : Vec3(Vec3::Ones());
+    out.colour.values.insert(out.colour.values.end(), {rgb.x(), rgb.y(), rgb.z()});
   }
   for (std::size_t i = 0, known = out.shell.values.size(); known + i < out.mesh.polygons.size(); ++i)
     out.shell.values.push_back(piece ? piece->shell[i] : -1);
@@ -140,6 +144,8 @@ VtpMesh body_mesh(const std::vector<RigidBody>& bodies, BodyId first_shard, cons
   }
   out.mesh.cell_data = {out.body, out.kind};
   if (!drawn.empty()) out.mesh.point_data = {out.displacement, out.uv}, out.mesh.cell_data.push_back(out.shell);
+  if (std::any_of(drawn.begin(), drawn.end(), [](const auto& d) { return !d.second.colour.empty(); }))
+    out.mesh.point_data.push_back(out.colour);
   if (fields.set.has(FieldSet::kBodyMotion))
     out.mesh.point_data.push_back(out.velocity),
         out.mesh.cell_data.insert(out.mesh.cell_data.end(), {out.spin, out.mass});

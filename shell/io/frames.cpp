@@ -146,16 +146,22 @@ struct ShellMeshes {
   VtpMesh middle, solid{};
 };
 
-// `ids` are those of the pieces of control points. `varies`: the thickness of some shell of the frame does.
+// Arrays that a frame has where some shell of it has such a thing: a thickness that varies, colours.
+struct Varying {
+  bool thickness = false, colour = false;
+};
+
+// `ids` are those of the pieces of control points.
 ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<BodyId>& ids,
-                       const FrameFields& fields, const ContactOverTime& contact, bool varies) {
+                       const FrameFields& fields, const ContactOverTime& contact, const Varying& varies) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
   std::vector<BodyId> id;
   for (const Piece& p : pieces) id.push_back(id_of(p, ids));
   VtpMesh mesh;
   VtpArray velocity{"velocity", 3, {}, false, "m/s"}, displacement{"displacement", 3, {}, false, "m"};
-  VtpArray uv{"uv", 2, {}}, damage{"damage", 1, {}}, history{"c_his", 1, {}}, fragment{"fragment", 1, {}, true};
+  VtpArray uv{"uv", 2, {}}, colour{"colour", 3, {}}, damage{"damage", 1, {}}, history{"c_his", 1, {}},
+      fragment{"fragment", 1, {}, true};
   CellFields asked(m, s, fields.set, contact);
   FieldSet thickness;
   if (fields.thick) thickness.add(FieldSet::kThickness);
@@ -169,7 +175,11 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
     displacement.values.insert(displacement.values.end(), {c.u.x(), c.u.y(), c.u.z()});
     const Vec2 share = drawn_parameter(m, p);
     uv.values.insert(uv.values.end(), {share.x(), share.y()});
-    if (varies) of_points.values.push_back(m.thickness_at(p));
+    if (varies.colour) {
+      const Vec3 rgb = drawn_colour(m, p);
+      colour.values.insert(colour.values.end(), {rgb.x(), rgb.y(), rgb.z()});
+    }
+    if (varies.thickness) of_points.values.push_back(m.thickness_at(p));
     return static_cast<int>(mesh.points.size()) - 1;
   };
   std::vector<char> near(t.vertices.size(), 0);
@@ -216,7 +226,8 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
     asked.add(centre), thick.add(centre), at_rest.push_back(m.thickness_at(centre));
   }
   mesh.point_data = {velocity, displacement, uv};
-  if (varies) mesh.point_data.push_back(std::move(of_points));
+  if (varies.colour) mesh.point_data.push_back(std::move(colour));
+  if (varies.thickness) mesh.point_data.push_back(std::move(of_points));
   mesh.cell_data = {damage, history, fragment};
   for (VtpArray& a : asked.arrays()) mesh.cell_data.push_back(std::move(a));
   if (!fields.thick) return {std::move(mesh)};
@@ -287,8 +298,9 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
   if (!shells.empty()) {
     VtpMesh shell, thick;
     std::vector<DrawnLine> lines;
-    const bool varies =
-        std::any_of(shells.begin(), shells.end(), [](const ShellView& view) { return view.model->varies(); });
+    Varying varies;
+    for (const ShellView& view : shells)
+      varies.thickness |= view.model->varies(), varies.colour |= static_cast<bool>(view.model->colour);
     for (std::size_t k = 0; k < shells.size(); ++k) {
       const ContactOverTime& contact = k < fields.contact.size() ? fields.contact[k] : none;
       ShellMeshes meshes = shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact, varies);

@@ -136,6 +136,16 @@ std::function<Vec2(const Vec2&)> MeshShells::texture_map(int chart) const {
   return [along](const Vec2& p) { return Vec2(along[0].at(p), along[1].at(p)); };
 }
 
+std::function<Vec3(const Vec2&)> MeshShells::colour_map(int chart) const {
+  const std::vector<PlacedTriangle>& placed = charts.patches[chart].placed;
+  const auto has = [&](const PlacedTriangle& t) {
+    return std::none_of(t.points.begin(), t.points.end(), [&](int k) { return std::isnan(colours[0][k]); });
+  };
+  if (colours[0].empty() || placed.empty() || !std::all_of(placed.begin(), placed.end(), has)) return {};
+  const std::array<Paint, 3> rgb{Paint(placed, colours[0]), Paint(placed, colours[1]), Paint(placed, colours[2])};
+  return [rgb](const Vec2& p) { return Vec3(rgb[0].at(p), rgb[1].at(p), rgb[2].at(p)); };
+}
+
 std::string unit_warning(const std::string& path, double size, const std::string& option) {
   if (size >= kLeastMesh && size <= kMostMesh) return "";
   return fmt::format("'{}' is taken in metres, {:.3g} m long, as no {} is given; give 0.001 for millimetres, or 1",
@@ -199,11 +209,13 @@ std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, c
     out->thickness = factors_of(scene, field + ".thickness_paint", m, m.thickness_paint(), read);
   out->mesh = std::move(read.mesh);
   for (const Vec2& uv : read.texture) out->texture[0].push_back(uv.x()), out->texture[1].push_back(uv.y());
+  for (std::size_t k = 0; k < out->mesh.of_file.size() && !read.colours.empty(); ++k)
+    for (int d = 0; d < 3; ++d) out->colours[d].push_back(read.colours[out->mesh.of_file[k]][d]);
   if (shell.reference() != proto::Shell::MIDDLE) move_to_middle(scene, field, shell, *out);
   const bool painted = m.has_strength_paint() || m.has_thickness_paint();
   try {
     out->charts = patches_of(out->mesh, {m.element_m(), crease_of(m) * kDegreeOfMesh, m.has_degree() ? m.degree() : 2,
-                                         out->mesh.part, painted || !read.texture.empty()});
+                                         out->mesh.part, painted || !read.texture.empty() || !read.colours.empty()});
   } catch (const Error& e) {
     scene.fail(field + ".path", fmt::format("'{}': {}", m.path(), e.what()));
   }

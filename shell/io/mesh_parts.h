@@ -23,12 +23,16 @@ struct MeshShells {
   std::vector<double> thickness;     // the same of the thickness
   // Texture coordinates of corner k of triangle t of the mesh, at 3 t + k; empty: the file has none.
   std::array<std::vector<double>, 2> texture;
+  // Red, green and blue of each point of the mesh, 1 is full, NaN: none; empty: the file has none.
+  std::array<std::vector<double>, 3> colours;
 
   /// Factors of the strength over a chart.
   Paint paint(int chart) const { return {charts.patches[chart].placed, factors}; }
   Paint thickness_paint(int chart) const { return {charts.patches[chart].placed, thickness}; }
   /// Texture coordinates over a chart by its parameters; null where the file has none for a face of the chart.
   std::function<Vec2(const Vec2&)> texture_map(int chart) const;
+  /// Colours over a chart by its parameters, linear on each triangle; null where a point of the chart has none.
+  std::function<Vec3(const Vec2&)> colour_map(int chart) const;
 };
 
 /// Faces of a file with a name.

@@ -42,7 +42,7 @@ void archive(A& a, DrawnLine& line) {
 
 template <class A>
 void archive(A& a, DrawnMesh& m) {
-  archive_all(a, m.points, m.rest, m.uv, m.triangles, m.shell, m.lines);
+  archive_all(a, m.points, m.rest, m.uv, m.colour, m.triangles, m.shell, m.lines);
 }
 
 template <class A>

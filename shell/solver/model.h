@@ -82,6 +82,8 @@ struct ShellModel {
   Trimming trim{};  // what trim loops leave; empty: the patch is whole
   // Texture coordinates that its mesh file has at a parameter, for frames; empty: none.
   std::function<Vec2(const Vec2&)> texture{};
+  // Colour that its mesh file has at a parameter: red, green, blue, 1 is full; for frames; empty: none.
+  std::function<Vec3(const Vec2&)> colour{};
   ThicknessFactor thickness_factor{};       // empty: the thickness does not vary
   double thinnest = 1.0, thickest = 1.0;    // least and largest factor at Gauss points
   std::vector<double> thickness_of_slot{};  // mean factor over a control point's function; empty: 1

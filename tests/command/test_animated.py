@@ -216,7 +216,8 @@ class Parting(InAFolder):
             rest, triangles, piece = np.concatenate([left, right]), np.concatenate([square, square + 4]), [1, 1, 2, 2]
         now, velocity = self.placed(rest, time)
         write_vtp(self.folder / f"frames/shell_{k}.vtp", now, triangles, floats="f8",
-                  point_data={"velocity": velocity, "displacement": now - rest, "uv": rest[:, :2] / self.SIDES},
+                  point_data={"velocity": velocity, "displacement": now - rest, "uv": rest[:, :2] / self.SIDES}
+                  | self.more_of(rest),
                   cell_data={"fragment": np.array(piece, float), "damage": np.zeros(len(piece)), "shell": np.zeros(len(piece))})
         leaving = [(2.0, 1.0, right)] if k >= 3 else []
         leaving += [(1.0, 3.0, left)] if k >= self.FREEZES else []
@@ -230,8 +231,13 @@ class Parting(InAFolder):
             kind.append(np.full(len(faces[-1]), sort))
         rest = np.concatenate(at_rest)
         write_vtp(self.folder / f"frames/bodies_{k}.vtp", np.concatenate(points), np.concatenate(faces), floats="f8",
-                  point_data={"displacement": np.concatenate(points) - rest, "uv": rest[:, :2] / self.SIDES},
+                  point_data={"displacement": np.concatenate(points) - rest, "uv": rest[:, :2] / self.SIDES}
+                  | self.more_of(rest),
                   cell_data={"body": np.concatenate(body), "kind": np.concatenate(kind)})
+
+    def more_of(self, rest: np.ndarray) -> dict[str, np.ndarray]:
+        """Further arrays of points that rest there."""
+        return {}
 
     def thick(self, corners: np.ndarray, time: float) -> np.ndarray:
         """Points of both faces (2n, 3) [m] of a square, inside before outside."""

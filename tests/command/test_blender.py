@@ -64,6 +64,7 @@ told["more"] = {{
     "damage": [v.value for v in one.data.attributes["damage"].data][:1],
     "places": [list(v.vector) for v in rest], "velocity": [list(v.vector) for v in one.data.attributes["run_velocity"].data],
     "uv": [[list(rest[l.vertex_index].vector), list(u.uv)] for l, u in zip(one.data.loops, one.data.uv_layers["UVMap"].data)],
+    "colours": [list(c.color) for c in one.data.color_attributes["Color"].data],
     "shard": sorted(bpy.data.objects["pane_piece_2_shape_1"].data.attributes.keys()),
     "born": [v.value for v in cracks.attributes["born"].data], "transmission": glass[words[0]].default_value}}
 told["refused"] = ""
@@ -103,6 +104,9 @@ class Blender(Parting):
         self.gltf = self.folder / "run.glb"
         self.gltf.write_bytes(animated_glb(story_of(self.frames, self.words, {}), np.arange(6.0) / 24.0, {}))
 
+    def more_of(self, rest: np.ndarray) -> dict[str, np.ndarray]:
+        return {"colour": np.column_stack([0.1 + 0.4 * rest[:, 0], 0.9 - 0.8 * rest[:, 1], np.full(len(rest), 0.25)])}
+
     def test_a_run_folder_is_imported(self) -> None:
         script, out = self.folder / "script.py", self.folder / "told.json"
         script.write_text(SCRIPT.format(addon=str(ADDON), folder=str(self.folder), gltf=str(self.gltf), out=str(out),
@@ -128,7 +132,10 @@ class Blender(Parting):
         np.testing.assert_allclose(more["velocity"], self.placed(np.array(more["places"]), 0.0)[1], atol=1e-4)
         rest, uv = (np.array([pair[k] for pair in more["uv"]]) for k in (0, 1))
         np.testing.assert_allclose(uv, rest[:, :2] / self.SIDES, atol=1e-6)
-        self.assertTrue({"rest_position"} <= set(more["shard"]) and not {"damage", "run_velocity"} & set(more["shard"]))
+        colours = np.array(more["colours"])
+        np.testing.assert_allclose(colours[:, :3], self.more_of(np.array(more["places"]))["colour"], atol=1e-6)
+        np.testing.assert_array_equal(colours[:, 3], 1.0)
+        self.assertTrue({"rest_position", "Color"} <= set(more["shard"]) and not {"damage", "run_velocity"} & set(more["shard"]))
         np.testing.assert_allclose(more["born"], [1.5], atol=1e-6)
         self.assertEqual((more["transmission"], more["damage"]), (1.0, [0.0]))
         self.assertGreater(more["gltf"], 3)

@@ -127,6 +127,50 @@ class Places(Parting):
         self.assertNotIn("TEXCOORD_0", nodes["shards"])
 
 
+class Colours(Parting):
+    """Points of a mesh file with colours."""
+
+    def more_of(self, rest: np.ndarray) -> dict[str, np.ndarray]:
+        return {"colour": self.of_rest(rest)}
+
+    @staticmethod
+    def of_rest(rest: np.ndarray) -> np.ndarray:
+        x, y = rest[:, 0], rest[:, 1]
+        return np.stack([0.1 + 0.4 * x, 0.9 - 0.8 * y, 0.3 + 0.2 * x * y], axis=1)
+
+    def test_one_gltf(self) -> None:
+        for name in ("pane_piece_1_shape_0", "pane_piece_2_shape_0", "pane_piece_2_shape_1"):  # in the shell, cut, and a shard
+            mesh = self.film.json["meshes"][self.film.json["nodes"][self.film.names.index(name)]["mesh"]]
+            for primitive in mesh["primitives"]:
+                attributes = {n: self.film.values(k) for n, k in primitive["attributes"].items()}
+                np.testing.assert_allclose(attributes["COLOR_0"], self.of_rest(attributes["_REST"] @ UP), atol=SINGLE)
+
+    def test_a_mesh_a_frame(self) -> None:
+        for k, names in ((2, {"pane"}), (4, {"pane", "shards"})):
+            mesh = mesh_of(self.frames, k, (self.THICK,))
+            nodes = read_glb(glb_bytes(mesh, 0.0, self.words, {}))
+            self.assertEqual(set(nodes), names)
+            for attributes in nodes.values():
+                np.testing.assert_allclose(attributes["COLOR_0"], self.of_rest(attributes["_REST"] @ UP), atol=SINGLE)
+            ply = read_ply(ply_bytes(mesh, 0.0))
+            colour = np.stack([ply[f"vertex.{name}"] for name in ("red", "green", "blue")], axis=1)
+            np.testing.assert_allclose(colour, self.of_rest(mesh.rest), atol=SINGLE)
+
+    def test_bodies_of_the_scene_have_none(self) -> None:
+        mesh = mesh_of(self.frames, 4, (self.THICK,))
+        mesh.colour[:3] = np.nan
+        ply = read_ply(ply_bytes(mesh, 0.0))
+        np.testing.assert_array_equal(ply["vertex.red"][:3], 1.0)
+
+
+class NoColours(Parting):
+    def test_files_without_colours_have_no_such_attribute(self) -> None:
+        mesh = mesh_of(self.frames, 4, (self.THICK,))
+        self.assertNotIn("vertex.red", read_ply(ply_bytes(mesh, 0.0)))
+        for attributes in read_glb(glb_bytes(mesh, 0.0, self.words, {})).values():
+            self.assertNotIn("COLOR_0", attributes)
+
+
 class Normals(unittest.TestCase):
     def test_rates_are_differences(self) -> None:
         random = np.random.default_rng(5)

@@ -47,6 +47,8 @@ def _mesh(out: Glb, name: str, shape: Shape) -> int:
                       "NORMAL": out.accessor(upright(normal), "VEC3", VERTICES)}
         if np.isfinite(shape.uv[mine]).all():
             attributes["TEXCOORD_0"] = out.accessor(texture(shape.uv[mine]), "VEC2", VERTICES)
+        if np.isfinite(shape.colour[mine]).all():
+            attributes["COLOR_0"] = out.accessor(shape.colour[mine].astype("<f4"), "VEC3", VERTICES)
         if np.isfinite(shape.rest[mine]).all():
             attributes["_REST"] = out.accessor(upright(shape.rest[mine]), "VEC3", VERTICES)
         if np.isfinite(shape.damage[mine]).all():

@@ -6,10 +6,12 @@ PLY (binary): x, y, z [m] and vx, vy, vz [m/s] per vertex; fragment (id of the p
 part (number of the shell; -1 for bodies), body (its number, for a shard that of its piece; -1 for the shell), kind
 (0 moving, 1 shard, 2 static, 3 frozen; -1 for the shell) and side (0 outside, 1 inside, 2 edge of a sheet; -1 otherwise)
 per face. z is up.
-s and t per vertex are the parameters on the shell, 0 to 1; 0 for what was never one.
+s and t per vertex are the parameters on the shell, 0 to 1; 0 for what was never one. red, green and blue per vertex, 0 to 1,
+are those of mesh files, where some have colours of points; white for what has none.
 glTF (binary, .glb): a node per shell, the shards, and each body of the scene, y up as the format asks, with the materials
 of the scene, of sheets one for each side; _VELOCITY, _FRAGMENT and _DAMAGE per vertex, for which faces have vertices of
-their own. What is or was a shell has _REST, the place at rest, and TEXCOORD_0, the parameters.
+their own. What is or was a shell has _REST, the place at rest, and TEXCOORD_0, the parameters;
+COLOR_0 are the colours of its mesh file.
 """
 from __future__ import annotations
 
@@ -30,15 +32,19 @@ from .render import put_in_place, frames_of, pick, telling
 from .thick import corner_normals
 
 FORMATS = ("ply", "gltf")
+RGB = ("red", "green", "blue")
 TIMES = "frame_times.csv"
 
 
 def ply_bytes(mesh: Mesh, time_s: float) -> bytes:
     """Writes a binary PLY."""
-    vertex = np.zeros(len(mesh.points), [(n, "<f4") for n in ("x", "y", "z", "vx", "vy", "vz", "s", "t")])
+    names = ("x", "y", "z", "vx", "vy", "vz", "s", "t") + (RGB if np.isfinite(mesh.colour).any() else ())
+    vertex = np.zeros(len(mesh.points), [(n, "<f4") for n in names])
     for axis in range(3):
         vertex["xyz"[axis]], vertex["v" + "xyz"[axis]] = mesh.points[:, axis], mesh.velocity[:, axis]
     vertex["s"], vertex["t"] = np.nan_to_num(mesh.uv).T
+    for channel, name in enumerate(RGB if RGB[0] in names else ()):
+        vertex[name] = np.nan_to_num(mesh.colour[:, channel], nan=1.0)
     face = np.zeros(len(mesh.triangles), [("corners", "u1"), ("vertex_indices", "<i4", 3), ("fragment", "<i4"), ("damage", "<f4"),
                                           ("part", "<i4"), ("body", "<i4"), ("kind", "<i4"), ("side", "<i4")])
     face["corners"], face["vertex_indices"] = 3, mesh.triangles
@@ -67,6 +73,8 @@ def _add(out: Glb, name: str, mesh: Mesh, normals: np.ndarray, which: np.ndarray
             "_DAMAGE": out.accessor(np.repeat(mesh.damage[mine], 3).astype("<f4"), "SCALAR", VERTICES)}
         if np.isfinite(mesh.uv[corners]).all():
             attributes["TEXCOORD_0"] = out.accessor(texture(mesh.uv[corners]), "VEC2", VERTICES)
+        if np.isfinite(mesh.colour[corners]).all():
+            attributes["COLOR_0"] = out.accessor(mesh.colour[corners].astype("<f4"), "VEC3", VERTICES)
         if np.isfinite(mesh.rest[corners]).all():
             attributes["_REST"] = out.accessor(upright(mesh.rest[corners]), "VEC3", VERTICES)
         primitives.append({"attributes": attributes, "material": out.material(slot_name(of, int(side)), colour),

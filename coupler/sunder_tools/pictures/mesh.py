@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .frames import BODIES, FROZEN, SHARD, SHELL, Frame
-from .motion import body_velocity, by_body, parameters, reference_points, shell_velocity
+from .motion import body_velocity, by_body, colours, parameters, reference_points, shell_velocity
 from .soft import with_soft
 from .thick import OTHER, normal_rates, sheet_points, sheet_topology, sides_of_piece
 from .vtp import PolyData
@@ -19,6 +19,7 @@ class Mesh:
     velocity: np.ndarray   # (n, 3) [m/s]
     rest: np.ndarray       # (n, 3) [m] place at rest, NaN where there is none
     uv: np.ndarray         # (n, 2) parameters on the shell, 0 to 1, NaN where there are none
+    colour: np.ndarray     # (n, 3) red, green, blue of a mesh file, NaN where there is none
     triangles: np.ndarray  # (m, 3)
     fragment: np.ndarray  # (m,) id of the piece, in the shell and as a shard; for a body of the scene its number
     damage: np.ndarray  # (m,) 0..1, largest of all layers; 0 for bodies
@@ -61,23 +62,25 @@ def mesh_of(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -> M
     rigid = frames[k].read(BODIES)
     bodies, moves = with_soft(frames[k], rigid, body_velocity(frames, k))
     points, velocity, triangles = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros((0, 3), int)]
-    rests, uvs = [np.zeros((0, 3))], [np.zeros((0, 2))]
+    rests, uvs, tints = [np.zeros((0, 3))], [np.zeros((0, 2))], [np.zeros((0, 3))]
     names = ("fragment", "damage", "part", "body", "kind", "side", "origin")
     columns: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in names}
     if shell is not None:
         moving, own = shell_velocity(shell), np.arange(len(shell.triangles))
-        rest, uv = reference_points(shell), parameters(shell)
+        rest, uv, tint = reference_points(shell), parameters(shell), colours(shell)
         place, faces, side = shell.points, shell.triangles, np.full(len(own), OTHER)
         thick = thickness_of_points(shell, thickness)
         if thick is not None:
             way = 0.5 * thick[:, None] * normal_rates(place, moving, faces)
             moving = np.stack([moving - way, moving + way], axis=1).reshape(-1, 3)
             place, rest, uv = sheet_points(place, faces, thick), sheet_points(rest, faces, thick), np.repeat(uv, 2, axis=0)
+            tint = np.repeat(tint, 2, axis=0)
             faces, side, own = sheet_topology(faces)
         points.append(place)
         velocity.append(moving)
         rests.append(rest)
         uvs.append(uv)
+        tints.append(tint)
         triangles.append(faces)
         damage = shell.of_triangles("damage", 0.0)
         none, part = np.full(len(own), -1), shell.of_triangles("shell", 0)[own]
@@ -89,9 +92,10 @@ def mesh_of(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -> M
         triangles.append(bodies.triangles + sum(map(len, points)))
         points.append(bodies.points)
         velocity.append(moves)
-        rest, uv = places_of_bodies(rigid, len(bodies.points))
+        rest, uv, tint = places_of_bodies(rigid, len(bodies.points))
         rests.append(rest)
         uvs.append(uv)
+        tints.append(tint)
         body, kind = bodies.of_triangles("body", 0), bodies.of_triangles("kind", 0)
         none = np.full(len(body), -1)
         origin = none.copy()
@@ -101,19 +105,19 @@ def mesh_of(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -> M
             columns[name].append(values)
     joined = {name: np.concatenate(values) for name, values in columns.items()}
     return Mesh(np.concatenate(points), np.concatenate(velocity), np.concatenate(rests), np.concatenate(uvs),
-                np.concatenate(triangles), joined["fragment"].astype(int),
+                np.concatenate(tints), np.concatenate(triangles), joined["fragment"].astype(int),
                 joined["damage"], *(joined[name].astype(int) for name in ("part", "body", "kind", "side", "origin")))
 
 
-def places_of_bodies(bodies: PolyData | None, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Returns places at rest (count, 3) [m] and parameters (count, 2) of the points of bodies that were pieces of shells, NaN
-    for others."""
-    rest, uv = np.full((count, 3), np.nan), np.full((count, 2), np.nan)
+def places_of_bodies(bodies: PolyData | None, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Returns places at rest (count, 3) [m], parameters (count, 2) and colours (count, 3) of the points of bodies that were
+    pieces of shells, NaN for others."""
+    rest, uv, tint = (np.full((count, width), np.nan) for width in (3, 2, 3))
     if bodies is not None and "displacement" in bodies.point_data:
         broken = np.isin(bodies.of_triangles("kind", 0), (SHARD, FROZEN))
         mine = np.unique(bodies.triangles[broken])
-        rest[mine], uv[mine] = reference_points(bodies)[mine], parameters(bodies)[mine]
-    return rest, uv
+        rest[mine], uv[mine], tint[mine] = (of(bodies)[mine] for of in (reference_points, parameters, colours))
+    return rest, uv, tint
 
 
 def _sides(bodies: PolyData | None, count: int) -> np.ndarray:

@@ -25,6 +25,12 @@ def parameters(mesh: PolyData) -> np.ndarray:
     return np.full((len(mesh.points), 2), np.nan) if uv is None or uv.ndim != 2 else uv.astype(float)
 
 
+def colours(mesh: PolyData) -> np.ndarray:
+    """Returns red, green and blue (n, 3) of points, 0 to 1, NaN where no mesh file of the run has colours."""
+    colour = mesh.point_data.get("colour")
+    return np.full((len(mesh.points), 3), np.nan) if colour is None or colour.ndim != 2 else colour.astype(float)
+
+
 def body_velocity(frames: list[Frame], k: int) -> np.ndarray:
     """Returns velocities (n, 3) [m/s] of bodies' points in frame k; (0, 3) where there are none. Raises VtpError,
     OSError.

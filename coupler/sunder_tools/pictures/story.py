@@ -18,7 +18,7 @@ from .frames import BODIES, FROZEN, SHARD, SHELL, SOFT, Frame
 from .materials import material_of_body, material_of_shards, name_of_body, slot_name
 from .mesh import origin_of_triangles, part_of_points, thickness_of_points
 from .meshes import weld
-from .motion import by_body, parameters, reference_points
+from .motion import by_body, colours, parameters, reference_points
 from .rigid import centre_of_mass, fit, quaternion, turn_of
 from .soft import RUBBER, balls
 from .thick import EDGE, INSIDE, OTHER, OUTSIDE, corner_normals, sides_of_piece, vertex_normals
@@ -42,6 +42,7 @@ class Shape:
     rest: np.ndarray           # (n, 3) [m] in the world, NaN where there is none
     damage: np.ndarray         # (n,) in the first frame, NaN where there is none
     uv: np.ndarray             # (n, 2) parameters of the shell, 0 to 1, NaN where there are none
+    colour: np.ndarray         # (n, 3) red, green, blue of a mesh file, NaN where there is none
     # [m/s] of the run, an entry for each of `points`; none where the shape is rigid or frames have no velocity:
     velocity: list[np.ndarray] = field(default_factory=list)  # (n, 3) each, against the centre
     drift: list[np.ndarray] = field(default_factory=list)     # (3,) of the centre
@@ -95,7 +96,7 @@ class _Moving:
     points: np.ndarray
     triangles: np.ndarray  # (m, 3) from these points
     broken: bool           # a piece of shells
-    places: np.ndarray     # (n, 5) of its points at rest, and their parameters; NaN where it was no piece of a shell
+    places: np.ndarray     # (n, 8) of its points at rest, their parameters and colours; NaN where it was no piece of a shell
     origin: np.ndarray     # (m,) shell of each triangle, -1: none, or not known
 
 
@@ -109,6 +110,7 @@ class _Sheets:
         if shell is None or not len(shell.triangles):
             return
         self.rest, self.part, self.uv = reference_points(shell), part_of_points(shell), parameters(shell)
+        self.colour = colours(shell)
         velocity = shell.point_data.get("velocity")
         self.velocity = velocity if velocity is not None and velocity.ndim == 2 else None
         self.size = size or float(np.ptp(self.rest, axis=0).max()) or 1.0
@@ -235,9 +237,10 @@ class Story:
             shape.last = k
         else:
             rest, _ = faces(now.rest[used], triangles, part, half)
-            damage, uv = (over_faces(values, triangles, part, len(half) > 0) for values in (now.damage(key), now.uv[used]))
+            damage, uv, colour = (over_faces(values, triangles, part, len(half) > 0)
+                                  for values in (now.damage(key), now.uv[used], now.colour[used]))
             shape = Shape(slots_of(triangles, part, len(half) > 0, self._words), k, k, [points - centre], [normals], rest,
-                          damage, uv, state=now.state(key))
+                          damage, uv, colour, state=now.state(key))
             thing.shapes.append(shape)
             self._open[key] = shape
         if now.velocity is not None:
@@ -280,9 +283,9 @@ class Story:
                     first += 3 * len(mine)
         which = np.concatenate(order)
         corners = (points[triangles[which]].reshape(-1, 3) - centre) @ base
-        of_corners = body.places[triangles[which]].reshape(-1, 5)
+        of_corners = body.places[triangles[which]].reshape(-1, 8)
         shape = Shape(slots, k, k, [corners], [normals[which].reshape(-1, 3) @ base], of_corners[:, :3],
-                      np.full(len(corners), np.nan), of_corners[:, 3:])
+                      np.full(len(corners), np.nan), of_corners[:, 3:5], of_corners[:, 5:])
         thing.shapes.append(shape)
         self._open[key] = shape
 
@@ -313,7 +316,7 @@ class Story:
                 count = len(body.points)
                 slot = Slot(thing.name, tuple(RUBBER[key[1] % len(RUBBER)]), 0, count, body.triangles)
                 shape = Shape([slot], k, k, [], [], np.full((count, 3), np.nan), np.full(count, np.nan), np.full((count, 2), np.nan),
-                              state=body.state)
+                              np.full((count, 3), np.nan), state=body.state)
                 thing.shapes.append(shape)
                 self._open[key] = shape
             shape.points.append(body.points - centre)
@@ -358,7 +361,7 @@ def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
     values, starts = np.unique(body[order], return_index=True)
     number = np.zeros(len(bodies.points), np.int64)
     points = by_body(bodies)
-    places = np.column_stack([reference_points(bodies), parameters(bodies)])
+    places = np.column_stack([reference_points(bodies), parameters(bodies), colours(bodies)])
     if "displacement" not in bodies.point_data:
         places[:] = np.nan
     for one, which in zip(values, np.split(order, starts[1:])):
@@ -366,7 +369,7 @@ def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
         number[mine] = np.arange(len(mine))
         piece = sort in (SHARD, FROZEN)
         yield _Moving(("piece" if piece else "body", int(one)), bodies.points[mine], number[bodies.triangles[which]], piece,
-                      places[mine] if piece else np.full((len(mine), 5), np.nan), origin[which])
+                      places[mine] if piece else np.full((len(mine), 8), np.nan), origin[which])
 
 
 def story_of(frames: list[Frame], words: Words, part_of: dict[int, int], middle: bool = False,

@@ -289,7 +289,9 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
 }
 
 void add_rest(const ShellModel& m, const std::vector<Vec2>& parameters, DrawnMesh& drawn) {
+  if (m.colour) drawn.colour.resize(drawn.rest.size(), Vec3::Ones());
   for (const Vec2& p : parameters) {
+    if (m.colour || !drawn.colour.empty()) drawn.colour.insert(drawn.colour.end(), 2, drawn_colour(m, p));
     const SurfacePoint q = m.patch.evaluate(p);
     const Vec3 n = 0.5 * m.thickness_at(p) * q.u.cross(q.v).normalized();
     drawn.rest.push_back(q.x - n), drawn.rest.push_back(q.x + n);

@@ -445,6 +445,10 @@ Handoff joined(const std::vector<Handoff>& parts) {
     for (const Vec3& p : h.drawn.points) out.drawn.points.push_back(arm + turn * p);
     out.drawn.rest.insert(out.drawn.rest.end(), h.drawn.rest.begin(), h.drawn.rest.end());
     out.drawn.uv.insert(out.drawn.uv.end(), h.drawn.uv.begin(), h.drawn.uv.end());
+    if (!h.drawn.colour.empty()) {
+      out.drawn.colour.resize(before, Vec3::Ones());
+      out.drawn.colour.insert(out.drawn.colour.end(), h.drawn.colour.begin(), h.drawn.colour.end());
+    }
     out.drawn.shell.insert(out.drawn.shell.end(), h.drawn.shell.begin(), h.drawn.shell.end());
     for (const auto& c : h.drawn.triangles)
       out.drawn.triangles.push_back({before + c[0], before + c[1], before + c[2]});

@@ -24,6 +24,7 @@ struct DrawnMesh {
   std::vector<std::array<int, 3>> triangles;
   std::vector<Vec3> rest{};        // of each point, its place on a face of the shell at rest, in the world [m]
   std::vector<Vec2> uv{};          // and the drawn_parameter() of that place [-]
+  std::vector<Vec3> colour{};      // and its drawn_colour(); empty: no part of the piece has one [-]
   std::vector<int> shell{};        // of each triangle, the number of its shell
   std::vector<DrawnLine> lines{};  // cracks of a laminate, whose mesh has no gaps
 };

@@ -14,6 +14,8 @@ Vec2 drawn_parameter(const ShellModel& m, const Vec2& p) {
   return (p - domain.min()).cwiseQuotient(domain.sizes());
 }
 
+Vec3 drawn_colour(const ShellModel& m, const Vec2& p) { return m.colour ? m.colour(p) : Vec3(Vec3::Ones()); }
+
 Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<const Eigen::AlignedBox2d> knots_in) {
   std::vector<Vec2> places =
       m.trim.empty() ? m.parameter : m.trim.home;  // a point on a crack belongs to its left side, as for visibility

@@ -26,6 +26,8 @@ Eigen::AlignedBox2d domain_of(const ShellModel& model);
 /// Returns what frames show of a parameter [m]: its share of the domain, 0 to 1 along each direction, or the texture
 /// coordinates that the model's mesh file has there.
 Vec2 drawn_parameter(const ShellModel& model, const Vec2& parameter);
+/// Returns the colour that the model's mesh file has at a parameter [m]; white where it has none.
+Vec3 drawn_colour(const ShellModel& model, const Vec2& parameter);
 /// Triangulates the patch with the present cracks, and with knots in the boxes `knots_in`; control points are assigned
 /// to pieces. A border control point that a crack along a clamp has parted belongs to no piece.
 Triangulation triangulated(const ShellModel& model, const ShellState& state,

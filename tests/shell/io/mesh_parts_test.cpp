@@ -83,6 +83,43 @@ TEST_F(MeshParts, TextureCoordinatesOfAnObjFileAreThoseOfFrames) {
   }
 }
 
+// A lattice whose colours are linear in x and y; the last point has none where `whole` is false.
+std::string tinted(bool whole) {
+  const Triangles t = lattice_sheet();
+  std::string out;
+  for (std::size_t k = 0; k < t.points.size(); ++k) {
+    const Vec3& x = t.points[k];
+    out += fmt::format("v {:.17g} {:.17g} 0", x.x(), x.y());
+    if (whole || k + 1 < t.points.size())
+      out += fmt::format(" {:.17g} {:.17g} {:.17g}", 0.2 + 0.5 * x.x(), 0.9 - 0.7 * x.y(), 0.1 * x.x() + 0.2 * x.y());
+    out += "\n";
+  }
+  for (const FileTriangle& f : t.faces)
+    out += fmt::format("f {} {} {}\n", f.corners[0] + 1, f.corners[1] + 1, f.corners[2] + 1);
+  return out;
+}
+
+TEST_F(MeshParts, ColoursOfPointsAreThoseOfFrames) {
+  write("a.obj", tinted(true));
+  const RunSetup r = setup("path: 'a.obj' element_m: 0.1 pose { position { z: 2 } }");
+  ASSERT_EQ(r.shells.size(), 1u);
+  const ShellModel& m = r.shells[0].model;
+  const double u = m.patch.knots_u.end(), v = m.patch.knots_v.end();
+  for (const Vec2& share : {Vec2(0, 0), Vec2(1, 1), Vec2(0.37, 0.61), Vec2(0.93, 0.02)}) {
+    const Vec2 p(share.x() * u, share.y() * v);
+    const Vec3 x = m.patch.evaluate(p).x;
+    const Vec3 wanted(0.2 + 0.5 * x.x(), 0.9 - 0.7 * x.y(), 0.1 * x.x() + 0.2 * x.y());
+    EXPECT_LT((drawn_colour(m, p) - wanted).norm(), 1e-9) << share.transpose();  // as the fit of a flat chart
+  }
+}
+
+TEST_F(MeshParts, AChartWithAPointWithoutAColourIsWhite) {
+  write("a.obj", tinted(false));
+  const ShellModel m = setup("path: 'a.obj' element_m: 0.1").shells[0].model;
+  EXPECT_FALSE(m.colour);
+  EXPECT_EQ(drawn_colour(m, Vec2(0.1, 0.1)), Vec3(1, 1, 1));
+}
+
 TEST_F(MeshParts, AChartWithAFaceWithoutTextureCoordinatesHasParameters) {
   write("a.obj", textured(0.9));
   const RunSetup r = setup("path: 'a.obj' element_m: 0.1");
