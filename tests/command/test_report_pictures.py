@@ -48,6 +48,18 @@ class List(unittest.TestCase):
         self.assertEqual([p.target for p in PICTURES if (REPOSITORY / p.target).resolve() not in shown], [])
 
 
+    def test_blender_draws_those_of_the_first_page(self) -> None:
+        shown = re.findall(r"\]\(([\w./]+\.(?:png|jpg))\)", (REPOSITORY / "README.md").read_text(encoding="utf-8"))
+        listed = {picture.target: picture for picture in PICTURES}
+        self.assertTrue(shown)
+        for target in shown:
+            self.assertTrue(listed[target].cycles, target)
+
+    def test_no_picture_is_large(self) -> None:
+        large = [picture.target for picture in PICTURES if (REPOSITORY / picture.target).stat().st_size > 250_000]
+        self.assertEqual(large, [])
+
+
 class Drawing(unittest.TestCase):
     def setUp(self) -> None:
         temporary = tempfile.TemporaryDirectory()
