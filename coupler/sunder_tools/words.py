@@ -2,8 +2,14 @@
 from __future__ import annotations
 
 import difflib
+import os
 import shlex
+import shutil
+import sys
+from pathlib import Path
 from typing import Iterable
+
+from .places import COUPLER
 
 MOST_GUESSES = 3
 LIKE = 0.6  # least likeness of a guess, as difflib counts it: 1 is the same word
@@ -35,6 +41,22 @@ def quoted(text: object) -> str:
 def command_line(arguments: Iterable[object]) -> str:
     """A command that can be pasted into a shell."""
     return " ".join(quoted(argument) for argument in arguments)
+
+
+def own_command(*arguments: object) -> str:
+    """A command line of `sunder` itself that can be pasted where this one was typed."""
+    return command_line([own_program(), *arguments])
+
+
+def own_program() -> str:
+    """How a shell finds this command: the name where it is on the path, else the path of the running script. A script of the
+    user's runs this as a library: then it is the command beside these sources, if there is one."""
+    running = Path(sys.argv[0])
+    script = running if running.name == "sunder" and running.is_file() else COUPLER / "sunder"
+    found = shutil.which("sunder")
+    if not script.is_file() or found is not None and os.path.samefile(found, script):
+        return "sunder"
+    return str(script) if "/" in str(script) else f"./{script}"
 
 
 def _plain(word: str) -> str:

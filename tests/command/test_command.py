@@ -17,6 +17,7 @@ from sunder_tools import version, words
 from sunder_tools.command import parser
 from sunder_tools.command.main import OF_SOURCES, main, make_parser, subcommands
 from sunder_tools.errors import CommandError
+from sunder_tools.places import COUPLER
 
 from . import REPOSITORY, sunder
 from .fakes import write_executables
@@ -37,6 +38,27 @@ class Words(unittest.TestCase):
         said = words.command_line(["sunder", "run", Path("my scene's.textproto")])
         done = subprocess.run(["sh", "-c", f"printf '%s|' {said}"], stdout=subprocess.PIPE, text=True, check=True)
         self.assertEqual(done.stdout, "sunder|run|my scene's.textproto|")
+
+    def test_the_command_is_named_as_a_shell_finds_it(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            bare, folder = Path(name) / "bare", Path(name) / "my bin"
+            for where in (bare, folder):
+                where.mkdir()
+            script = folder / "sunder"
+            script.write_text("#!/bin/sh\nprintf '%s|' \"$0\" \"$@\"\n")
+            script.chmod(0o755)
+            with mock.patch.dict(os.environ, {"PATH": f"{bare}:/bin"}), mock.patch.object(words.sys, "argv", [str(script)]):
+                said = words.own_command("run", "a b")
+                done = subprocess.run(["/bin/sh", "-c", said], stdout=subprocess.PIPE, text=True, check=True)
+                self.assertEqual(done.stdout, f"{script}|run|a b|")
+                with contextlib.chdir(folder), mock.patch.object(words.sys, "argv", ["sunder"]):  # sh sunder run
+                    self.assertEqual(words.own_command("run"), "./sunder run")
+                os.environ["PATH"] = f"{folder}:/bin"
+                self.assertEqual(words.own_command("run"), "sunder run")
+                with mock.patch.object(words.sys, "argv", [str(Path(name) / "my_script.py")]):  # a library there
+                    self.assertEqual(words.own_program(), str(COUPLER / "sunder"))
+                    with mock.patch.object(words, "COUPLER", Path(name)):
+                        self.assertEqual(words.own_program(), "sunder")
 
 
 class Version(unittest.TestCase):

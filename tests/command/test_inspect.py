@@ -11,6 +11,7 @@ from typing import Any
 
 from sunder_tools.command.inspect import checked, report, write_scene
 from sunder_tools.errors import BAD_INPUT, DONE, CommandError
+from sunder_tools.words import own_command
 
 from . import REPOSITORY
 
@@ -201,7 +202,7 @@ class Programs(unittest.TestCase):
         self.assertIn(f"1 component, 0 borders of 0 edges, 0 points merged, {len(faces) // 2} triangles turned over", done.stdout)
         self.assertRegex(done.stdout, r"(?m)^part\.2 .* border$")
         self.assertIn("seams: 1 joined, 1 of them smooth", done.stdout)
-        self.assertIn("ball.textproto is written, and passes sunder check ball.textproto\n  substeps ", done.stdout)
+        self.assertIn(f"ball.textproto is written, and passes {own_command('check', 'ball.textproto')}\n  substeps ", done.stdout)
         self.assertIn('mesh { path: "ball.obj" element_m: 0.008 }', (self.folder / "ball.textproto").read_text())
 
     def test_a_mesh_in_millimetres_is_taken_by_its_unit(self) -> None:
@@ -211,7 +212,7 @@ class Programs(unittest.TestCase):
         done = self.inspect("ball.obj", "--unit", "0.001", "--weld", "1e-6", "--element", "0.008", "--scene", "ball.textproto")
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertIn("0.1 x 0.1 x 0.1 m where its unit is 0.001 m", done.stdout)
-        self.assertIn("ball.textproto is written, and passes sunder check", done.stdout)
+        self.assertIn(f"ball.textproto is written, and passes {own_command('check')}", done.stdout)
         self.assertIn('mesh { path: "ball.obj" unit_m: 0.001 weld_m: 1e-06 element_m: 0.008 }', (self.folder / "ball.textproto").read_text())
         (self.folder / "part.step").write_text("ISO-10303-21;\n")
         done = self.inspect("part.step", "--weld", "0.001")
@@ -238,7 +239,7 @@ class Programs(unittest.TestCase):
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertRegex(done.stdout, r"(?m)^ +0  sphere .* part\.1 to part\.6 +in 6 parts$")
         self.assertIn("face 0 is slow: an element is ", done.stdout)
-        self.assertIn("ball.textproto is written, and passes sunder check ball.textproto\n  substeps ", done.stdout)
+        self.assertIn(f"ball.textproto is written, and passes {own_command('check', 'ball.textproto')}\n  substeps ", done.stdout)
         self.assertIn("probes", self.check_with('output { probes { name: "p" shell: "part" } }'))
         self.assertEqual(self.check_with('output { probes { name: "p" shell: "part.6" } }'), "")
 

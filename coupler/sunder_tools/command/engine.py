@@ -10,7 +10,7 @@ from ..errors import BAD_INPUT, DONE, CommandError
 from ..launch.build import build_dir
 from ..launch.node import ensure_node
 from ..places import CHECKOUT_ONLY, INSTALLED, REPOSITORY
-from ..words import command_line
+from ..words import command_line, own_program
 from . import engine_texts
 from .parser import Subparsers, add_choice, add_command, one_of
 
@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
         steps = [["cmake", "-S", REPOSITORY, "-B", build, f"-DSUNDER_ENGINES={target.resolve()}"],
                  ["cmake", "--build", build, "--target", name]]
     called = str(program) if "/" in str(program) else f"./{program}"
-    steps += [["sunder", "validate", "engines", "--rigid", called], ["sunder", "run", "SCENE", "--rigid", called]]
+    steps += [[own_program(), "validate", "engines", "--rigid", called], [own_program(), "run", "SCENE", "--rigid", called]]
     print(f"{target} is written. Build it and try it with:" if arguments.language == "cpp" else
           f"{program} is written. Try it with:")
     for step in steps:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import BAD_INPUT, DONE, PEER_LOST, CommandError, how_it_ended
 from ..launch.build import ensure_built
-from ..words import command_line
+from ..words import own_command
 from .parser import Subparsers, add_command, number_within
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
         write_scene(arguments.scene, arguments.file, told)
         cost = checked(program, arguments.scene)
         if not arguments.json:
-            print(f"{arguments.scene} is written, and passes {command_line(['sunder', 'check', arguments.scene])}\n{cost}",
+            print(f"{arguments.scene} is written, and passes {own_command('check', arguments.scene)}\n{cost}",
                   end="")
     return DONE
 

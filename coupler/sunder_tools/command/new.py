@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import BAD_INPUT, DONE, CommandError
 from ..launch.shipped import ENDING, SCENES
-from ..words import command_line
+from ..words import own_command
 from .parser import Subparsers, add_command, need_scene
 
 NAME = "new"
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
         text = source.read_text(encoding="utf-8")
         _write(target, re.sub(r'^name: *("[^"\n]*"|\'[^\'\n]*\')', f'name: "{name}"', text, count=1, flags=re.MULTILINE),
                _assets(text, source))
-    print(f"{target} is written; run it with: {command_line(['sunder', 'run', target])}")
+    print(f"{target} is written; run it with: {own_command('run', target)}")
     return DONE
 
 

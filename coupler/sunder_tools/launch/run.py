@@ -18,7 +18,7 @@ from ..errors import BAD_INPUT, DONE, INTERRUPTED, PEER_LOST, CommandError, Inte
 from ..report import run_json
 from ..report.profile import PROFILE_FILE, PROFILE_PICTURE, read_profile, table
 from ..report.summary import summary
-from ..words import command_line
+from ..words import own_command
 from . import engines, first_use
 from .build import Executables
 from .needs import built_for
@@ -118,7 +118,7 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
         going_on = ""
         if status != DONE and (folder.path / "checkpoint" / "state").is_file():
             going_on = ("the run can go on from its last checkpoint: "
-                        f"{command_line(['sunder', 'run', '--resume', folder.path])}")
+                        f"{own_command('run', '--resume', folder.path)}")
         if keep and not (resume and status == BAD_INPUT):
             _settle_run_json(folder.path, status, message, ending, going_on)
             _finish(folder, quiet, draw)

@@ -4,7 +4,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..words import command_line
+from ..words import own_command
 from .models import in_words
 from .run_json import load_steps, read_run
 
@@ -51,7 +51,7 @@ def summary(folder: Path, sheet: Path | None) -> str:
     if sheet is not None:
         lines.append(f"pictures         {sheet}")
     if (folder / "frames.pvd").exists():
-        lines.append(f"frames           {folder / 'frames.pvd'} (ParaView; or: {command_line(['sunder', 'view', folder])})")
+        lines.append(f"frames           {folder / 'frames.pvd'} (ParaView; or: {own_command('view', folder)})")
     return "\n".join(lines)
 
 
