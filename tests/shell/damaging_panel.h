@@ -1,10 +1,12 @@
 #pragma once
 // A square panel whose cracks damage drives.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "shell/solver/forces.h"
 #include "tests/shell/fixtures.h"
 
 namespace sunder::shell {
@@ -46,6 +48,26 @@ void damage_where(const ShellModel& m, ShellState& s, F&& region) {
         const int point = gather_point(m, s, q, e);
         for (auto* layers : {&s.cracked.damage[point].now, &s.cracked.damage[point].history}) (*layers)[0] = 1.0f;
       }
+}
+
+// Folds the panel about a line along y in its middle: it turns by `curvature` [1/m] over `band` [m].
+inline void fold(const ShellModel& m, ShellState& s, double curvature, double band) {
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    const double x = m.rest[slot], from = -0.5 * band, within = std::clamp(x - from, 0.0, band);
+    const double angle = curvature * within, after = std::max(0.0, x - from - band);
+    s.motion.x[slot] = std::min(x, from) + std::sin(angle) / curvature + std::cos(angle) * after;
+    s.motion.x[2 * m.tables.component_stride + slot] = (1.0 - std::cos(angle)) / curvature + std::sin(angle) * after;
+  }
+}
+
+// Folded about a radius of two thirds of its thickness, and spent there.
+inline ShellState spent_fold(const ShellModel& m) {
+  ShellState s = damaging(m);
+  fold(m, s, 150.0, 0.015);
+  damage_where(m, s, [](const Vec2& p) { return std::abs(p.x() - 0.15) < 0.02; });
+  compute_forces(m, s, false, 1.0, 1);
+  return s;
 }
 
 }  // namespace sunder::shell

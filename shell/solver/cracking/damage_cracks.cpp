@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "shell/mechanics/principal.h"
@@ -254,6 +255,63 @@ void tear(const ShellModel& m, ShellState& s, const DamageRules& r) {
   }
 }
 
+// Shares of its area at rest, beyond the flow, that a point keeps: [-], 0 where it is inside out.
+struct KeptArea {
+  double middle = 0.0;  // of the middle surface
+  double least = 0.0;   // the least of middle surface and layers, by the true curvature
+};
+
+KeptArea kept_area(const ShellModel& m, const ShellState& s, const GatheredPoint& g) {
+  // a metric that is inside out in both directions has a positive determinant and a negative trace
+  const auto kept = [](const Sym2<double>& c, const Sym2<double>& a) {
+    return c.c11 + c.c22 > 0.0 ? std::sqrt(std::max(0.0, determinant(c)) / determinant(a)) : 0.0;
+  };
+  const Layers& layers = m.tables.layers;
+  const int count = static_cast<int>(layers.zeta.size());
+  const Forms<double> f = surface_forms(gather(m.tables, g, s.motion.x));
+  const OnePlace place{m.tables, g.block, g.lane};
+  Sym2<double> middle = g.metric.a;
+  KeptArea out{0.0, std::numeric_limits<double>::infinity()};
+  for (int l = 0; l < count; ++l) {
+    Sym2<double> a = reference_at(g.metric, layers, l), flow{};
+    if (s.yields()) {
+      const auto field = [&](int k) { return place.load(s.layers.plastic, 4 * count, 4 * l + k); };
+      flow = {field(0), field(1), field(2)};
+    }
+    a = {a.c11 + flow.c11, a.c22 + flow.c22, a.c12 + flow.c12};
+    const double share = layers.weight[l] / thickness_of(layers);
+    middle = {middle.c11 + share * flow.c11, middle.c22 + share * flow.c22, middle.c12 + share * flow.c12};
+    out.least = std::min(out.least, kept(at_height(f.a, f.b, layers.zeta[l]), a));
+  }
+  out.middle = kept(f.a, middle);
+  out.least = std::min(out.least, out.middle);
+  return out;
+}
+
+// Gives a point a weaker kind, and books the energy that it loses. It keeps the share of the full energy that its
+// damage has left it.
+void release_point(const ShellModel& m, ShellState& s, PointKind kind, GatheredPoint& g, PointDamage& d) {
+  RowPlasticity layers;
+  if (s.yields()) layers = plasticity_of(m, s);
+  const RowPlasticity* plastic = s.yields() ? &layers : nullptr;
+  const PointDamage old = d;
+  const PointMemory memory{&old, s.layers.brittleness, s.layers.heals, plastic};
+  const PointMemory of_full{plastic ? &old : nullptr, s.layers.brittleness, s.layers.heals, plastic};
+  const double full = full_energy(m.tables, g, s.motion.x, of_full);
+  const double held = point_energy(m.tables, g, s.motion.x, memory);
+  g.kind = kind, g.stamp = fresh_stamp();
+  if (kind == PointKind::kDead) g.functions.clear();
+  s.cracked.note_kind(g);
+  const double left = full_energy(m.tables, g, s.motion.x, of_full);
+  d.fresh = true, d.retained = 0.0;
+  if (s.layers.heals)
+    d.retained = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
+  else
+    settle_damage(m.tables, g, s.motion.x, memory, d);
+  const double lost = held - (left - d.retained);
+  (lost < 0.0 ? s.book.injected : s.book.fracture) += std::abs(lost);
+}
+
 // Whether the points of a pack, whose six fields are `lanes` apart, are surely below the stress from which they are
 // listed: a bound says so without a root.
 bool surely_calm(const double* stress, int lanes, const double* strength, double at_rest) {
@@ -303,9 +361,23 @@ void watch_stress(const ShellModel& m, ShellState& s) {
   }
 }
 
+void release_folds(const ShellModel& m, ShellState& s) {
+  for (std::size_t i = 0; i < s.cracked.gathered.size(); ++i) {
+    GatheredPoint& g = s.cracked.gathered[i];
+    PointDamage& d = s.cracked.damage[i];
+    if (g.kind == PointKind::kDead || d.worst() < 1.0f) continue;
+    const KeptArea kept = kept_area(m, s, g);
+    const bool crushed = kept.middle < kFoldedArea;
+    if (!crushed && (g.kind == PointKind::kLinear || kept.least >= kFoldedArea)) continue;
+    gather_point(m, s, g.block, g.lane);
+    release_point(m, s, crushed ? PointKind::kDead : PointKind::kLinear, g, d);
+  }
+}
+
 int extract_cracks(const ShellModel& m, ShellState& s, double time, const DamageRules& r) {
   if (s.cracked.gathered.empty()) return 0;
   tear(m, s, r);
+  release_folds(m, s);
   const DamageLattice grid(m, s, r.spent_beside * m.spacing);
   int inserted = insert_lines(m, s, r, grid, time);
   for (const End& end : open_ends(m, s.cracks.graph)) {

@@ -49,14 +49,15 @@ int visibility_at(const ShellModel& m, ShellState& s, int block, int lane) {
   return index = static_cast<int>(s.caches.visibility.size()) - 1;
 }
 
-// The same point with the functions that cracks leave it.
-GatheredPoint renewed(const ShellModel& m, const Visibility& visibility, const GatheredPoint& old) {
+// The same point with the functions that cracks leave it. A point that was spent before gets no bending back.
+GatheredPoint renewed(const ShellModel& m, const Visibility& visibility, const GatheredPoint& old, bool spent) {
   GatheredPoint g;
   g.block = old.block, g.lane = old.lane, g.area = old.area, g.metric = old.metric;
   const MlsPoint mls = mls_point(control_grid(m), visibility);
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
+  if (spent) g.kind = std::max(g.kind, old.kind);
   g.functions = to_slots(m, mls);
   thicken(g.functions, m.tables.thickness_factor(g.block, g.lane));
   round_to_units(g.functions);
@@ -68,12 +69,12 @@ GatheredPoint renewed(const ShellModel& m, const Visibility& visibility, const G
 }
 
 // The same, from a trial with the same visibility where there was one. Valid until the next trial of that point.
-Caches::Trial& tried(const ShellModel& m, const Visibility& visibility, const GatheredPoint& old,
+Caches::Trial& tried(const ShellModel& m, const Visibility& visibility, const GatheredPoint& old, bool spent,
                      std::vector<Caches::Trial>& trials) {
   for (Caches::Trial& known : trials)
     if (known.visibility.sees_the_same(visibility)) return known;
   if (trials.size() == kTrials) trials.erase(trials.begin());
-  trials.push_back({visibility, renewed(m, visibility, old)});
+  trials.push_back({visibility, renewed(m, visibility, old, spent)});
   return trials.back();
 }
 
@@ -236,11 +237,12 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, double time, 
   Visibility visibility = s.caches.visibility[r.visibility];
   visibility.update(control_grid(m), s.cracks.graph, end);
   double left = 0.0;
+  const bool spent = damage && damage->worst() >= 1.0f;
   if (s.caches.trials.empty()) {
-    r.own = renewed(m, visibility, old), r.point = &r.own;
+    r.own = renewed(m, visibility, old, spent), r.point = &r.own;
     left = elastic(r.own);
   } else {
-    Caches::Trial& trial = tried(m, visibility, old, s.caches.trials[r.visibility].known);
+    Caches::Trial& trial = tried(m, visibility, old, spent, s.caches.trials[r.visibility].known);
     r.point = &trial.point;
     left = at_present(trial.point, trial.energy);
   }

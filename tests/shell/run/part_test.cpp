@@ -9,6 +9,9 @@
 #include "shell/run/part.h"
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
+#include "shell/solver/cracking/damage_cracks.h"
+#include "shell/solver/stepping/stable_step.h"
+#include "tests/shell/damaging_panel.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -93,6 +96,25 @@ TEST(ShellPart, MeasuresItsStepWhereCracksAreNewAndNotInEachWindow) {
   part.measure_step(kStepWindows, 1, {});
   EXPECT_TRUE(part.changed.empty());
   EXPECT_LE(part.smallest_step, first);
+}
+
+// A sharp fold that was spent keeps the step of the whole shell, which never grows again.
+TEST(ShellPart, ItsStepIsNotThatOfASpentFold) {
+  for (const bool released : {false, true}) {
+    ShellSetup setup{panel(60, 0.2)};
+    setup.fracture.mode = FractureMode::kDamage;
+    ShellPart part{setup};
+    part.state = std::make_unique<ShellState>(damaging(setup.model));
+    const double intact = stable_step(setup.model, *part.state, kStepIterations, 1, true);
+    *part.state = spent_fold(setup.model);
+    if (released) release_folds(setup.model, *part.state);
+    part.initial_step = part.smallest_step = intact;
+    part.measure_step(0, 1, {});
+    if (released)
+      EXPECT_GE(part.smallest_step, 0.8 * intact);
+    else
+      EXPECT_LT(part.smallest_step, 0.5 * intact);
+  }
 }
 
 // A shell with fibres may lie on another one that is as heavy and has far stiffer fibres.

@@ -8,8 +8,11 @@
 
 #include "shell/solver/cracking/damage_cracks.h"
 #include "shell/solver/cracking/damage_lattice.h"
+#include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/forces.h"
+#include "shell/solver/state_archive.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/damaging_panel.h"
 #include "tests/shell/fixtures.h"
 
@@ -191,4 +194,92 @@ TEST(ExtractCracks, PointsOfALawWhoseStressNoLongerGrowsAreTornByTheirStretch) {
     extract_cracks(m, s, 0.0);
     EXPECT_EQ(s.rubble(), share > 1.0 ? damaged : 0) << stretch;
   }
+}
+
+// Its pressed layer has healed, so the law alone lets a fold bear fully however sharp it is.
+TEST(ExtractCracks, AFoldSharperThanItsThicknessBendsFreelyOnceSpent) {
+  const ShellModel m = panel(60, 0.2);
+  ShellState flat = damaging(m), s = spent_fold(m);
+  const double intact = stable_step(m, flat, kStepIterations, 1, false);
+  EXPECT_LT(stable_step(m, s, kStepIterations, 1, false), 0.5 * intact);
+  const double before = compute_forces(m, s, true, 0.0, 1);
+  release_folds(m, s);
+  const double after = compute_forces(m, s, true, 0.0, 1);
+  EXPECT_LT(after, 0.1 * before);
+  EXPECT_NEAR(s.book.fracture - s.book.injected, before - after, 1e-9 * before);  // round-off of sums
+  EXPECT_EQ(s.rubble(), 0);
+  EXPECT_GE(stable_step(m, s, kStepIterations, 1, false), 0.8 * intact);
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  double scale = 0.0;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i), stride = m.tables.component_stride;
+    const Vec3 f(s.motion.force[slot], s.motion.force[stride + slot], s.motion.force[2 * stride + slot]);
+    force += f, moment += s.position(slot).cross(f), scale += f.norm();
+  }
+  EXPECT_LT(force.norm(), 1e-12 * scale);
+  EXPECT_LT(moment.norm(), 1e-12 * scale);
+  // once more it finds nothing, also where it opens again
+  const double booked = s.book.fracture;
+  fold(m, s, 1e-6, 0.015);
+  release_folds(m, s);
+  EXPECT_EQ(s.book.fracture, booked);
+  int free = 0;
+  for (const GatheredPoint& g : s.cracked.gathered) free += g.kind == PointKind::kLinear;
+  EXPECT_GT(free, 100);
+}
+
+TEST(ExtractCracks, AFoldThatWasNeverSpentBendsAsBefore) {
+  const ShellModel m = panel(60, 0.2);
+  ShellState s = spent_fold(m);
+  for (PointDamage& d : s.cracked.damage) d.history.fill(0.99f);
+  release_folds(m, s);
+  for (const GatheredPoint& g : s.cracked.gathered) EXPECT_EQ(g.kind, PointKind::kQuadratic);
+}
+
+// A wider fold is a sheet that is bent.
+TEST(ExtractCracks, ASpentFoldWiderThanItsThicknessBendsAsBefore) {
+  const ShellModel m = panel(60, 0.2);
+  ShellState s = spent_fold(m);
+  fold(m, s, 30.0, 0.05);
+  release_folds(m, s);
+  for (const GatheredPoint& g : s.cracked.gathered) EXPECT_EQ(g.kind, PointKind::kQuadratic);
+}
+
+TEST(ExtractCracks, APointWhoseMiddleSurfaceIsCrushedIsReleased) {
+  const ShellModel m = panel(32, 0.0);
+  ShellState s = damaging(m);
+  damage_where(m, s, [&](const Vec2& p) { return (p - Vec2(0.15, 0.15)).norm() < 0.4 * m.spacing; });
+  const int damaged = static_cast<int>(s.cracked.gathered.size());
+  ASSERT_GT(damaged, 0);
+  for (const double width : {0.7, 0.5}) {
+    for (int i = 0; i < m.control_points(); ++i) s.motion.x[m.tables.slot(i)] = width * m.rest[m.tables.slot(i)];
+    compute_forces(m, s, false, 1.0, 1);
+    const double before = compute_forces(m, s, true, 0.0, 1);
+    release_folds(m, s);
+    EXPECT_EQ(s.rubble(), width < kFoldedArea ? damaged : 0);
+    EXPECT_NEAR(s.book.fracture, before - compute_forces(m, s, true, 0.0, 1), 1e-9 * before);
+  }
+}
+
+// What has been released stays so in a state that is read, and beside a crack that comes later.
+TEST(ExtractCracks, AReleasedFoldGetsNoBendingBack) {
+  const ShellModel m = panel(60, 0.2);
+  ShellState s = spent_fold(m);
+  release_folds(m, s);
+  ArchiveWriter a;
+  archive_one(a, s);
+  ShellState read = damaging(m);
+  ArchiveReader reader(a.bytes.data(), a.bytes.size());
+  archive_one(reader, read);
+  compute_forces(m, s, false, 0.0, 1), compute_forces(m, read, false, 0.0, 1);
+  EXPECT_EQ(s.motion.force, read.motion.force);
+  const auto released = [&](const ShellState& of) {
+    int sum = 0;
+    for (const char kind : of.cracked.kind_of) sum += kind != static_cast<char>(PointKind::kQuadratic);
+    return sum;
+  };
+  const int before = released(read);
+  const int from = read.cracks.graph.add_vertex({0.13, 0.1512}), to = read.cracks.graph.add_vertex({0.17, 0.1512});
+  ASSERT_EQ(insert_edge(m, read, from, to, read.cracks.graph.new_crack(), 0.0, 0, false), 0);
+  EXPECT_GE(released(read), before);
 }
