@@ -393,6 +393,11 @@ void fracture(const Scene& s) {
             "is {}, must be a share from 0 to below 1", r.quiet_growth());
   if (r.has_quiet_time_s()) positive(s, "fracture.quiet_time_s", true, r.quiet_time_s(), "s");
   if (r.has_latest_freeze_s()) positive(s, "fracture.latest_freeze_s", true, r.latest_freeze_s(), "s");
+  for (int i = 0; r.has_latest_freeze_s() && i < s.message.shells_size(); ++i)
+    s.check(s.message.shells(i).pieces() != proto::Shell::SOFT, fmt::format("shells[{}].pieces", i),
+            "is SOFT, but fracture.latest_freeze_s makes all pieces rigid at {} s; leave latest_freeze_s out, or take "
+            "BY_STIFFNESS",
+            r.latest_freeze_s());
   if (r.has_interlock_opening_m()) positive(s, "fracture.interlock_opening_m", true, r.interlock_opening_m(), "metres");
   const bool faces =
       r.has_interlock() ? r.interlock() : r.mode() != proto::Fracture::DAMAGE && r.mode() != proto::Fracture::CUTS;

@@ -149,6 +149,7 @@ ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell
   const proto::Scene& m = scene.message;
   ShellSetup r{build_shell(scene, shell, field, files, part)};
   r.velocity = scene::to_vec(shell.velocity()), r.material = shell.material();
+  r.pieces = PiecePolicy{static_cast<int>(shell.pieces())};
   for (int k = 0; k < shell.cuts_size(); ++k) {
     if (shell.cuts(k).has_line()) continue;  // add_space_cuts() makes it
     for (PrescribedCut& cut : make_cut(scene, shell.cuts(k), r.model, fmt::format("{}.cuts[{}]", field, k)))

@@ -14,6 +14,9 @@ namespace sunder::shell {
 /// Largest share of the stable step that a scene may ask for: iteration approaches the stable step from above.
 constexpr double kMostOfStable = 0.95;
 
+/// What becomes of pieces that have come off; values as in proto::Shell.
+enum class PiecePolicy { kByStiffness, kRigid, kSoft };
+
 /// A shell of the scene, and how it breaks.
 struct ShellSetup {
   ShellModel model;
@@ -28,6 +31,7 @@ struct ShellSetup {
   std::vector<double> hertz{};  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
   bool seam_may_part = false;   // a seam with a shell that can crack
   std::string material{};       // its name in the scene
+  PiecePolicy pieces = PiecePolicy::kByStiffness;
 
   bool can_crack() const { return shell::can_crack(fracture) || seam_may_part; }
 };

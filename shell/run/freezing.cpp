@@ -85,7 +85,8 @@ std::string Pieces::cracking_has_ended(double last_push) {
   if (!state_.soft.empty() || state_.fibres || state_.deforms()) return "";
   if (setup_.latest_freeze < setup_.end_time && clock_.time() >= setup_.latest_freeze * (1.0 - 1e-9))
     return "latest_freeze_s";
-  if (books_.crack_length(simulation_) == 0.0 || clock_.time() < setup_.last_change + setup_.quiet_time) return "";
+  if (soft_left_ || books_.crack_length(simulation_) == 0.0 || clock_.time() < setup_.last_change + setup_.quiet_time)
+    return "";
   for (const ShellPart& part : state_.shells)
     for (const char done : part.state->cracks.cut_done)
       if (!done) return "";

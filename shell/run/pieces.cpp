@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -42,6 +43,15 @@ PartPieces whole_of(const ShellPart& part) {
   p.pieces[0].held = !m.constraints.anchors.empty();
   p.pieces[0].handed_off = part.state->motion.detached[m.tables.slot(0)] != 0;
   return p;
+}
+
+// Length [m] of a sheet whose own weight bends it about as much as it is long: (D / (rho t g))^(1/3), D = E t^3 /
+// (12 (1 - nu^2)). Without gravity it is infinite.
+double sagging_length(const ShellModel& m, double gravity) {
+  const ShellMaterial& a = m.material;
+  const double stiffness =
+      a.youngs_modulus * m.thickness * m.thickness / (12.0 * (1.0 - a.poisson_ratio * a.poisson_ratio));
+  return std::cbrt(stiffness / (a.density * gravity));
 }
 
 // Mass at rest [kg] of each control point of each shell.
@@ -245,6 +255,10 @@ bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, boo
   if (all) return true;
   if (!g.torn) return false;  // nothing has separated: a free shell stays a shell
   if (g.empty || !g.bends) return true;
+  if (stays_soft(now, g)) {
+    soft_left_ = true;
+    return false;
+  }
   if (state_.deforms()) return false;  // the engine does not hold such a body, so a rigid piece would pass through it
   const int lowest = p.control_points.empty() ? 0 : p.control_points[0];
   const auto [since, fresh] = state_.shells[front].detached_since.try_emplace(lowest, clock_.tick);
@@ -264,7 +278,27 @@ bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, boo
   return !cracks && !strike_ahead(now, g);
 }
 
+bool Pieces::stays_soft(const std::vector<PartPieces>& now, const Group& g) const {
+  Eigen::AlignedBox3d box;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [k, i] : g.members) {
+    const ShellModel& m = state_.shells[k].model();
+    if (setup_.shells[k].pieces == PiecePolicy::kSoft) return true;
+    if (setup_.shells[k].pieces == PiecePolicy::kByStiffness)
+      least = std::min(least, sagging_length(m, setup_.gravity.norm()));
+    const auto count = [&](int point) {
+      const int slot = m.tables.slot(point), stride = m.tables.component_stride;
+      box.extend(Vec3(m.rest[slot], m.rest[stride + slot], m.rest[2 * stride + slot]));
+    };
+    if (now[k].whole)
+      for (int point = 0; point < m.control_points(); ++point) count(point);
+    for (const int point : now[k].pieces[i].control_points) count(point);
+  }
+  return !box.isEmpty() && 0.5 * box.diagonal().norm() > least;
+}
+
 std::vector<RigidBody> Pieces::hand_off_pieces(bool all, double dt) {
+  soft_left_ = false;
   std::vector<RigidBody> births;
   if (!all && !state_.stitching.parted() &&
       std::all_of(state_.shells.begin(), state_.shells.end(),

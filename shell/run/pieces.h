@@ -89,6 +89,8 @@ class Pieces {
   PartBoxes boxes_of(const std::vector<PartPieces>& now, const std::map<int, Group>& groups,
                      const std::vector<int>& roots) const;
   std::map<int, Group> groups_of(const std::vector<PartPieces>& now) const;
+  /// Tests whether a group is so soft, by the policy of its shells, that it stays in the shell solver.
+  bool stays_soft(const std::vector<PartPieces>& now, const Group& group) const;
   bool is_to_leave(const std::vector<PartPieces>& now, const Group& group, bool all);
   Totals shell_totals();
   /// Hands off one group and returns its body. `totals_now` are the totals of the shells; they are updated.
@@ -113,6 +115,7 @@ class Pieces {
   std::deque<std::pair<double, double>> crack_lengths_;  // time [s], total length [m], over the quiet time
   std::string frozen_why_, frozen_hash_;
   double frozen_wall_ = 0.0;
+  bool soft_left_ = false;  // a piece that has come off stays a shell; found anew at each look for pieces
 };
 
 }  // namespace sunder::shell

@@ -157,6 +157,9 @@ INSTANTIATE_TEST_SUITE_P(
              "no shell of this scene"},
         Case{"DamageWithoutAStrength", "end_time_s: 1\n", "end_time_s: 1 fracture { mode: DAMAGE }\n", 2,
              "needs a strength"},
+        Case{"SoftPiecesThatAreFrozen", "elements_y: 16 }\n}\n",
+             "elements_y: 16 }\n  pieces: SOFT\n}\nfracture { latest_freeze_s: 0.5 }\n", 10,
+             "is SOFT, but fracture.latest_freeze_s makes all pieces rigid at 0.5 s; leave latest_freeze_s out"},
         Case{"DamageWidthOfAnotherMode", "end_time_s: 1\n", "end_time_s: 1 fracture { damage_width_m: 0.1 }\n", 2,
              "leave it out"},
         Case{"TimeStepAboveTheStableOne", "end_time_s: 1\n", "end_time_s: 1 time_step_s: 1e-5\n", 2, "at most 4.5"},
@@ -407,6 +410,11 @@ TEST(Places, ByAnEdgeAreOnItAndOthersAreRefusedWithTheRange) {
                                     std::pair(with("", "", "", cut("1.10001"), ""), "shells[0].cuts[0].points[1]"),
                                     std::pair(with("", "", "", "", region("1.10001")), "shells[0].supports[0]")})
     expect_refusal(text, field, {"1.10001", "from 0 to 1.1 along u and from 0 to 1.1 along v"});
+}
+
+TEST(Pieces, ThatStaySoftAreAcceptedAsTheRefusalSays) {
+  EXPECT_EQ(refusal(with_fields("pieces: SOFT")).kind, "accepted");
+  EXPECT_EQ(refusal(with_fields("pieces: BY_STIFFNESS", "", "fracture { latest_freeze_s: 0.5 }\n")).kind, "accepted");
 }
 
 TEST(Window, ThatTheRefusalNamesIsAccepted) {
