@@ -206,6 +206,8 @@ EXPERIMENTS = {"shells": (
                _later("crack_books", "books")),
     Experiment("over_stretch", "stretch beside a crack with healing, with maximum damage, and uncut (paper, Fig. 4)",
                over_stretch),
+    Experiment("weakened_region", "cracks of a cloth start in a weakened region and go on beyond it (paper, Fig. 14)",
+               _later("weakened", "weakened_region")),
     Experiment("round_pane", "the lattice must not show: 64 round panes, struck, the lattice turned",
                _later("impacts", "round_pane")),
     Experiment("impact_speed", "radial cracks against speed (Vandenberghe, Vermorel, Villermaux 2013)",
