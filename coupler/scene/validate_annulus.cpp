@@ -49,10 +49,6 @@ void validate_annulus(const LoadedScene& s, const std::string& f, const proto::S
           "is {} m, more than {:.0f} elements along the outer rim; give a longer one", m.element_m(), kMostAcross);
   pose(s, at + ".pose", m.pose());
   constexpr double kOneSector = 90.0;  // [degrees]
-  s.check(
-      !shell.has_fibres() || (m.has_angle_deg() && m.angle_deg() <= kOneSector), f + ".fibres",
-      "exclude seams, by which the sectors of a ring are joined; leave fibres out, or give angle_deg of at most {:.0f}",
-      kOneSector);
   const auto refuse = [&](bool given, const std::string& own, const char* remedy) {
     s.check(!given, f + "." + own, "is for a shell of one patch, and a ring may be several; {}", remedy);
   };

@@ -64,7 +64,6 @@ void validate_fibres(const LoadedScene& s) {
             "is between shells with fibres, which have their own friction and are elastic; leave friction and "
             "restitution out");
   }
-  s.check(!m.has_seams(), "seams", "are given, and shells have fibres, which exclude seams; leave one of them out");
   s.check(m.transfer().kind() == proto::GridTransfer::DIRECT, "transfer",
           "cannot go with fibres, whose forces act on control points; leave one of them out");
   s.check(!m.fracture().has_latest_freeze_s(), "fracture.latest_freeze_s",

@@ -235,10 +235,6 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     Eigen::AlignedBox3d box;
     for (const Vec3& x : s.model.patch.control_points) box.extend(x);
     largest = std::max(largest, box.diagonal().norm());
-    scene.check(!s.model.has_fibres(), fmt::format("shells[{}].fibres", parts[i].shell),
-                "exclude seams, by which CAD faces and charts of meshes are joined; leave fibres out, or give a `face` "
-                "or mesh that "
-                "is not divided");
     whole.push_back(whole_edges(s.model));
     scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
   }

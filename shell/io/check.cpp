@@ -31,12 +31,18 @@ int index_of(const scene::LoadedScene& scene, const std::string& name) {
   return 0;
 }
 
-/// Returns the stable step [s] of a shell alone. Throws Error where it has none, or where bodies are too fast for it.
+// A stable step [s] of a shell, with its fibres.
+double with_fibres(const RunSetup& setup, const ShellModel& m, double step) {
+  return m.has_fibres() ? stable_step_with_fibres(step, setup.models()) : step;
+}
+
+/// Returns the stable step [s] of a shell alone and without fibres. Throws Error where it has none, or where bodies are
+/// too fast for it.
 double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::size_t shell, ShellState& s) {
   const ShellSetup& shell_setup = setup.shells[shell];
   const ShellModel& m = shell_setup.model;
-  double step = stable_step(m, s, kStepIterations, 1, steps_as_if_free(setup, shell));
-  if (m.has_fibres()) step = stable_step_with_fibres(step, setup.models());
+  const double alone = stable_step(m, s, kStepIterations, 1, steps_as_if_free(setup, shell));
+  const double step = with_fibres(setup, m, alone);
   scene.check(std::isfinite(step), fmt::format("shells[{}].supports", index_of(scene, m.name)),
               "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
   for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
@@ -49,7 +55,7 @@ double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::siz
                 setup.bodies[i].name, travel, m.name,
                 slow_down(travel, body.radius() + m.least_thickness(), setup.safety));
   }
-  return step;
+  return alone;
 }
 
 /// Returns the step [s] that a run may take with this shell. Throws Error where the scene asks for a longer one.
@@ -176,6 +182,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
     stitching.move_masses(refs);
     steps = joined_steps(refs, stitching, steps, as_if_free, kJoinedIterations, 1);
   }
+  for (std::size_t k = 0; k < steps.size(); ++k) steps[k] = with_fibres(setup, *models[k], steps[k]);
   const double smallest = *std::min_element(steps.begin(), steps.end());
   double allowed = std::numeric_limits<double>::infinity(), memory = 0.0;
   int layer_points = 0;

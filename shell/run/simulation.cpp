@@ -194,6 +194,11 @@ void Simulation::start_shells(const std::function<void()>& look) {
     for (const int k : group)
       state.shells[k].state->book = {};  // plastic work on the way to equilibrium does not belong to the run
   }
+  std::vector<char> as_if_free;
+  std::vector<double> alone;  // stable steps without fibres
+  const auto with_fibres = [&](const ShellModel& m, double step) {
+    return state.fibres && m.has_fibres() ? stable_step_with_fibres(step, setup_.models()) : step;
+  };
   for (ShellPart& part : state.shells) {
     const ShellModel& m = part.model();
     const ShellSetup& setup = *part.setup;
@@ -201,9 +206,9 @@ void Simulation::start_shells(const std::function<void()>& look) {
     if (setup.fracture.tips_run())  // a load must first overcome the prestress of the face
       for (double& strength : s.layers.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();
-    double stable =
-        stable_step(m, s, kStepIterations, model.threads, steps_as_if_free(setup_, part.setup - setup_.shells.data()));
-    if (state.fibres && m.has_fibres()) stable = stable_step_with_fibres(stable, setup_.models());
+    const bool free = steps_as_if_free(setup_, part.setup - setup_.shells.data());
+    as_if_free.push_back(free), alone.push_back(stable_step(m, s, kStepIterations, model.threads, free));
+    const double stable = with_fibres(m, alone.back());
     part.initial_step = part.smallest_step = stable;
     require(std::isfinite(stable),
             "shell '{}': every control point is held; take more elements, or SIMPLY_SUPPORTED edges", m.name);
@@ -230,16 +235,12 @@ void Simulation::start_shells(const std::function<void()>& look) {
           setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step, kEnough * step);
   if (state.stitching.empty()) return;
   state.stitching.move_masses(refs());
-  std::vector<char> as_if_free;
-  std::vector<double> alone;
-  for (const ShellPart& part : state.shells) {
-    as_if_free.push_back(steps_as_if_free(setup_, part.setup - setup_.shells.data()));
-    alone.push_back(part.initial_step);
-  }
   const std::vector<double> joined =
       joined_steps(refs(), state.stitching, alone, as_if_free, kJoinedIterations, model.threads);
-  for (std::size_t k = 0; k < state.shells.size(); ++k)
-    state.shells[k].initial_step = state.shells[k].smallest_step = joined[k];
+  for (std::size_t k = 0; k < state.shells.size(); ++k) {
+    ShellPart& part = state.shells[k];
+    part.initial_step = part.smallest_step = with_fibres(part.model(), joined[k]);
+  }
 }
 
 void Simulation::find_equilibrium(const std::vector<int>& group, const std::function<void()>& look) {

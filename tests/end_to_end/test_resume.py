@@ -48,6 +48,24 @@ shells {
   loads { edge_force { edge: U_MAX force_per_length { x: 40 } } }
 }
 """
+# A strip that is pulled at 1 m/s: it flows from a strain of 0.01 on.
+STRIP = """name: "strip"
+end_time_s: 0.002
+window_s: 2e-5
+gravity {}
+materials { name: "metal" density: 1000 youngs_modulus: 2e9 poisson_ratio: 0.3 yield_stress: 2e7 hardening_modulus: 2e8 }
+shells {
+  name: "strip"
+  material: "metal"
+  thickness_m: 0.002
+  plate { size_x_m: 0.1 size_y_m: 0.04 elements_x: 10 elements_y: 4 }
+  supports { edges: U_MIN kind: CLAMPED }
+  supports {
+    edges: U_MAX kind: SIMPLY_SUPPORTED axes: X axes: Z
+    motion { time_s: 0 } motion { time_s: 0.002 displacement { x: 0.002 } }
+  }
+}
+"""
 # Two sheets on a seam that opens at a force. One of their supports is released first, and a ball is between both events.
 SEAMS = """name: "seams"
 end_time_s: 2e-3
@@ -257,6 +275,19 @@ class Resume(unittest.TestCase):
                 self.assertEqual(state(folder), whole["state_hash"])
                 self.assertEqual((folder / "series.csv").read_text(), (self.here / "whole" / "series.csv").read_text())
 
+    def test_a_metal_goes_on_to_the_bit_before_and_after_its_first_flow(self) -> None:
+        scene = self.here / "strip.textproto"
+        scene.write_text(STRIP)
+        whole = self.run_to("whole", "0.002", scene=str(scene))
+        for name, until, flowed in (("before", "0.0004", False), ("after", "0.0014", True)):
+            with self.subTest(name):
+                part = self.run_to(name, until, scene=str(scene))
+                self.assertEqual(json.loads((part / "run.json").read_text())["energy"]["dissipated_plastic"] > 0.0, flowed)
+                done = sunder("run", "--resume", str(part), "--until", "0.002", "--quiet")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(state(part), state(whole))
+                self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
+
     def test_fibres_go_on_to_the_bit(self) -> None:
         scene = self.here / "mats.textproto"
         scene.write_text(MATS)
@@ -271,6 +302,27 @@ class Resume(unittest.TestCase):
         self.assertLess(abs(run["energy"]["residual_relative"]), 0.01)  # of first order in the step
         self.assertIn("fibres", [m["name"] for m in run["models"]])
         self.assertNotIn("contact_between_shells", [m["name"] for m in run["models"]])
+
+    def test_fibres_on_joined_mats_go_on_to_the_bit(self) -> None:
+        scene = self.here / "joined.textproto"
+        low = """  plate { size_x_m: 0.24 size_y_m: 0.24 elements_x: 12 elements_y: 12 }
+  supports { edges: ALL kind: CLAMPED }
+}
+"""
+        left = """  plate { size_x_m: 0.12 size_y_m: 0.24 elements_x: 6 elements_y: 12 pose { position { x: -0.06 } } }
+  supports { edges: U_MIN edges: V_MIN edges: V_MAX kind: CLAMPED }
+}
+"""
+        right = MATS[MATS.index("shells {"):MATS.index(low)].replace('"low"', '"right"') + left.replace("x: -0.06", "x: 0.06").replace("U_MIN", "U_MAX")
+        scene.write_text(MATS.replace(low, left + right) + "seams {}\n")
+        whole = self.run_to("whole", "0.012", scene=str(scene))
+        part = self.run_to("part", "0.006", scene=str(scene))
+        done = sunder("run", "--resume", str(part), "--until", "0.012", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(state(part), state(whole))
+        run = json.loads((whole / "run.json").read_text())
+        self.assertGreater(run["energy"]["contact"], 0.0)
+        self.assertLess(abs(run["energy"]["residual_relative"]), 0.01)
 
     def test_driven_bodies_and_growing_cuts_go_on_to_the_bit(self) -> None:
         scene = self.here / "driven.textproto"

@@ -20,7 +20,8 @@ struct Layer {
 
 /// Layers on a grid of fibres of this spacing [m].
 struct Pile : Rig {
-  Pile(std::vector<Layer> layers, double spacing) : Rig(piled(std::move(layers), spacing)) {}
+  Pile(std::vector<Layer> layers, double spacing) : Pile(piled(std::move(layers), spacing)) {}
+  explicit Pile(RunSetup setup) : Rig(std::move(setup)) {}
 
   static RunSetup piled(std::vector<Layer> layers, double spacing) {
     RunSetup out;
@@ -47,6 +48,7 @@ struct Pile : Rig {
     double sum = 0.0;
     for (std::size_t k = 0; k < size(); ++k) sum += compute_forces(model(k), state(k), true, 0.0, 1);
     fibres().add_forces(refs());
+    if (!now().stitching.empty()) now().stitching.move_forces(refs());
     for (std::size_t k = 0; k < size(); ++k) sum += kinetic_energy(model(k), state(k), dt) + state(k).book.lost();
     return sum + fibres().energy();
   }

@@ -104,6 +104,32 @@ TEST(FibreScene, MayBreakAndBeCut) {
             "accepted");
 }
 
+TEST(FibreScene, MayBeJoinedBySeams) {
+  std::string report;
+  const std::string beside = fibre_scene("position { z: 0.005 }", "position { x: 0.4 }",
+                                         "seams {}\ncontacts { first: \"pane\" second: \"pane\" }\n");
+  const auto setup = built_with_report(beside, report);
+  EXPECT_EQ(setup.stitches.seams.size(), 1u);
+  EXPECT_NE(report.find("fibres         on a grid of"), std::string::npos) << report;
+  std::string ring = kScene;
+  const std::string plate = "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }";
+  ring.replace(ring.find(plate), plate.size(), "annulus { inner_m: 0.1 outer_m: 0.3 element_m: 0.05 } " + kFibres);
+  EXPECT_EQ(built_with_report(ring + "contacts { first: \"pane\" second: \"pane\" }\n", report).stitches.seams.size(),
+            4u);
+}
+
+// The step of joined shells is found without fibres, and then shortened by them.
+TEST(FibreScene, StiffFibresShortenTheStepOfJoinedShells) {
+  const auto step = [](const std::string& modulus) {
+    std::string report;
+    built_with_report(fibre_scene("position { z: 0.005 }", "position { x: 0.4 }", "seams {}\n",
+                                  "fibres { compression_modulus: " + modulus + " shear_modulus: 1e7 friction: 0.3 }"),
+                      report);
+    return std::stod(report.substr(report.find("stable step") + 11));
+  };
+  EXPECT_NEAR(step("1e14"), 0.1 * step("1e12"), 0.02 * 0.1 * step("1e12"));
+}
+
 TEST(FibreScene, RefusesFieldsThatExcludeFibres) {
   const std::string f = "shells[0].fibres";
   expect_refusal(fibre_scene("", "", "", ""), f,
@@ -112,7 +138,6 @@ TEST(FibreScene, RefusesFieldsThatExcludeFibres) {
   expect_refusal(fibre_scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 stiffness_damping_s: 1e-7 }"), f,
                  {"take mass_damping_per_s"});
   expect_refusal(fibre_scene(kFibres, kFibres + " equilibrium {}"), "shells[0].equilibrium", {"has fibres"});
-  expect_refusal(fibre_scene("", "", "seams {}\n"), "seams", {"have fibres"});
   expect_refusal(fibre_scene("", "", "transfer { kind: APIC }\n"), "transfer", {"cannot go with fibres"});
   expect_refusal(fibre_scene("", "", "coupling { scheme: ITERATED }\n"), "coupling.scheme", {"ITERATED"});
   expect_refusal(fibre_scene("", "", "fracture { latest_freeze_s: 0.5 }\n"), "fracture.latest_freeze_s",

@@ -210,8 +210,8 @@ TEST_F(CadParts, ALaunchAimsAtTheMiddleOfAllFaces) {
   EXPECT_NEAR(std::abs(side.motion.velocity.z()), 0.0, 1e-9);
 }
 
-// As seams that a scene gives do.
-TEST_F(CadParts, SeamsBetweenFacesExcludeFibres) {
+// The caps of a cylinder are trimmed. Seams between its faces are no reason.
+TEST_F(CadParts, TrimmedFacesExcludeFibres) {
   write_step(BRepPrimAPI_MakeCylinder(25, 40).Shape(), file("a.stp"));
   const std::string cad = "path: 'a.stp' face: 0 element_m: 0.005 } ";
   const auto refused = [&](const std::string& more, const std::string& after) {
@@ -224,7 +224,7 @@ TEST_F(CadParts, SeamsBetweenFacesExcludeFibres) {
   };
   EXPECT_SAYS(
       refused("fibres { compression_modulus: 1e5 shear_modulus: 1e5", "contacts { first: 'pane' second: 'pane' }"),
-      "shells[0].fibres: exclude seams, by which CAD faces and charts of meshes are joined");
+      "shells[0].cad.path: 'a.stp': the face is trimmed, which cannot go with fibres; leave that out");
   EXPECT_EQ(refused("equilibrium {", ""), "accepted");
 }
 
