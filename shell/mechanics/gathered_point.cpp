@@ -175,7 +175,7 @@ double settle_flow(const RowTables& t, const GatheredPoint& p, const std::vector
     place.store(*memory.plastic->forms, kFormFields, 0, true, -1.0);
     return 0.0;
   }
-  if (p.kind == PointKind::kLinear) average_states(place, *memory.plastic->states);
+  if (p.kind == PointKind::kLinear && memory.plastic->has_states()) average_states(place, *memory.plastic->states);
   if (memory.damage) return settle_ductile_flow(t, p, f, memory);
   RowPlasticity advancing = *memory.plastic;
   advancing.advance = true;

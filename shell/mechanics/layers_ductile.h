@@ -282,7 +282,7 @@ struct DuctileLayers {
     template <class Mask>
     LastForms<T> load(const Forms<T>& f, const Mask& summed) {
       const Places& places = flow.places;
-      flow.each_field([&](T& v, int fields, int field) { v = places.load(*flow.law.states, fields, field); });
+      flow.load_states();
       if constexpr (!kHeals)
         for (int i = 0; i < lanes<T>(); ++i)
           for (std::size_t l = 0; l < places.t.layers.zeta.size(); ++l)

@@ -1,5 +1,7 @@
 #pragma once
 // Layers that yield: J2 plasticity in plane stress, with isotropic hardening, by a plastic reference metric.
+#include <atomic>
+
 #include "shell/mechanics/layers_elastic.h"
 
 namespace sunder::shell {
@@ -216,7 +218,10 @@ constexpr int kFormFields = 6;  // first fundamental form 11 22 12, then the sec
 /// Memory of layers that yield, for all Gauss points of a patch.
 struct RowPlasticity {
   Yielding law;
-  std::vector<double>* states = nullptr;  // [block][layer][change 11 22 12, strain][lane]; null: no layer yields
+  // [block][layer][change 11 22 12, strain][lane]; null: no layer yields. Empty until a layer first flows: all are
+  // zero.
+  std::vector<double>* states = nullptr;
+  char* made = nullptr;  // whether `states` are there; threads ask while one of them makes the states. Null: they are
   // Forms at which the states last advanced: [block][kFormFields][lane]. The first is negative where the point did not
   // bear; the flow by which it bears again does no work. The second is negative where the states of the point may
   // differ from zero. Where it is positive they are all zero, and nobody has to read them.
@@ -224,6 +229,10 @@ struct RowPlasticity {
   bool advance = false;     // states advance
   double dissipated = 0.0;  // gains the plastic work of states that advance [J]
   double* sums = nullptr;   // of DuctileLayers: plastic work by the sum_slot() of its place [J]
+
+  bool has_states() const { return !made || std::atomic_ref<char>(*made).load(std::memory_order_acquire) != 0; }
+  /// Makes the states of `layers` layers, where they are not there yet. Any thread may call it at any time.
+  void make_states(std::size_t layers) const;
 };
 
 /// The law of layers that yield, for both kernels.
@@ -250,7 +259,7 @@ struct YieldingLayers {
     /// `summed` have no previous forms. Out of line, so that the elastic case fits the registers.
     template <bool kEnergy, bool kRecord, bool kAdvance, class Mask>
     [[gnu::noinline]] Resultants<T> integrate(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
-      each_field([&](T& v, int fields, int field) { v = places.load(*law.states, fields, field); });
+      load_states();
       const LastForms<T> last = last_forms(f, summed);
       return integrate_yielding_layers<T, kEnergy, kAdvance>(f, ref, places.t.layers, places.t.elasticity, law.law,
                                                              states, work, kRecord ? &faces : nullptr, &last);
@@ -294,7 +303,7 @@ struct YieldingLayers {
       const T now[kFormFields] = {f.a.c11, select(writes, -f.a.c22, f.a.c22), f.a.c12, f.b.c11, f.b.c22, f.b.c12};
       for (int k = 0; k < kFormFields; ++k)
         places.store(*law.forms, kFormFields, k, own, select(sound, now[k], splat<T>(-1.0)));
-      if (elastic) return T{};
+      if (elastic || !must_store(sound)) return T{};
       each_field([&](const T& v, int fields, int field) { places.store(*law.states, fields, field, sound, v); });
       places.add(booked, sound, area, work);
       return T{};
@@ -318,11 +327,26 @@ struct YieldingLayers {
     bool never_flowed() {
       if (!places.t.layers.growth.empty() || places.t.layers.bending > 0.0) return false;
       written = places.load(*law.forms, kFormFields, 1) < 0.0;
-      if (!any(written)) return true;
+      if (!any(written) || !law.has_states()) return true;
       const int count = static_cast<int>(places.t.layers.zeta.size());
       T strain{};
       for (int l = 0; l < count; ++l) strain += places.load(*law.states, 4 * count, 4 * l + 3);
       return !any(strain != 0.0);
+    }
+
+    void load_states() {
+      const bool there = law.has_states();
+      each_field([&](T& v, int fields, int field) { v = there ? places.load(*law.states, fields, field) : T{}; });
+    }
+    // False where the patch has no states yet, and none of the `sound` lanes has flowed.
+    template <class Mask>
+    bool must_store(const Mask& sound) {
+      if (law.has_states()) return true;
+      const std::size_t count = places.t.layers.zeta.size();
+      bool flowed = false;
+      for (std::size_t l = 0; l < count; ++l) flowed = flowed || any(sound & (states[l].strain != 0.0));
+      if (flowed) law.make_states(count);
+      return flowed;
     }
 
     template <class F>

@@ -45,6 +45,7 @@ struct Section {
 };
 
 PlasticState<double> plastic_state(const OnePlace& place, const std::vector<double>& states, int layer, int count) {
+  if (states.empty()) return {};
   const auto at = [&](int field) { return place.load(states, 4 * count, 4 * layer + field); };
   return {{at(0), at(1), at(2)}, at(3)};
 }

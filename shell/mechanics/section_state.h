@@ -12,7 +12,7 @@ namespace sunder::shell {
 /// What layers of a point remember; null: nothing.
 struct SectionMemory {
   const Yielding* yielding = nullptr;            // with `plastic`
-  const std::vector<double>* plastic = nullptr;  // states of all layers, as in RowPlasticity
+  const std::vector<double>* plastic = nullptr;  // states of all layers, as in RowPlasticity; they may be empty
   const PointDamage* damage = nullptr;
   double brittleness = 0.0;
   bool heals = true;

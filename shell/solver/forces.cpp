@@ -1,6 +1,7 @@
 #include "shell/solver/forces.h"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 
 #include "shell/solver/interlock.h"
@@ -12,6 +13,9 @@ RowPlasticity plasticity_of(const ShellModel& m, ShellState& s) {
   plastic.law = {m.material.yield_stress, m.material.hardening_modulus, m.material.youngs_modulus,
                  m.material.poisson_ratio};
   plastic.states = &s.layers.plastic, plastic.forms = &s.layers.plastic_forms;
+  plastic.made = &s.layers.plastic_made;
+  const std::atomic_ref<char> made(s.layers.plastic_made);  // threads ask for this at once; none makes states then
+  if (const char now = s.layers.plastic.empty() ? 0 : 1; made.load() != now) made.store(now);
   return plastic;
 }
 

@@ -63,7 +63,6 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   s.layers.face_stress.assign(gauss * 6, 0.0);
   s.layers.c.assign(gauss, 0.0f), s.layers.c_his.assign(gauss, 0.0f);
   if (m.material.yield_stress > 0.0) {
-    s.layers.plastic.assign(gauss * 4 * t.layers.zeta.size(), 0.0);
     s.layers.plastic_forms.resize(gauss * kFormFields);
     for (int q = 0; q < t.blocks(); ++q)  // the metric begins with the forms at rest, in the same order
       std::copy_n(&t.metric[t.at(q, kMetricFields, kA11, 0)], kFormFields * t.lanes,

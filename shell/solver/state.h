@@ -52,8 +52,9 @@ struct LayerStates {
   std::vector<double> face_stress;    // [block][6][lane]: three components on each face [Pa]
   std::vector<double> strength;       // [block][lane]: strength with its scatter [Pa]
   std::vector<float> c, c_his;        // [block][lane]: damage now, and its maximum (paper eq. 9) [-]
-  std::vector<double> plastic;        // states of layers that yield (RowPlasticity); empty: no yielding
-  std::vector<double> plastic_forms;  // surface forms at the last plastic step
+  std::vector<double> plastic;        // states of layers that yield (RowPlasticity); empty: no layer has flowed
+  char plastic_made = 0;              // whether `plastic` is there, for the kernels
+  std::vector<double> plastic_forms;  // surface forms at the last plastic step; empty: no yielding
   std::vector<double> fibres;  // [block][lane][below, above][r13, r23, r33]; empty: none (solver/contact/fibres.h)
   double brittleness = 0.0;    // H of eq. 9 [-]; 0: damage does not drive cracks
   bool heals = true;           // damage falls with the stress; otherwise it keeps its maximum
@@ -138,7 +139,7 @@ struct ShellState {
   void release_by_faces(double energy) {
     cracks.released += energy, cracks.released_by_faces += energy, book.face_friction += energy;
   }
-  bool yields() const { return !layers.plastic.empty(); }
+  bool yields() const { return !layers.plastic_forms.empty(); }
   bool weakens() const { return layers.brittleness > 0.0; }  // by damage
   Vec3 position(int slot) const { return at(motion.x, slot); }
   Vec3 velocity(int slot) const { return at(motion.v, slot); }

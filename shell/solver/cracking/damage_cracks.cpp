@@ -133,7 +133,9 @@ int join(const ShellModel& m, ShellState& s, const DamageRules& r, const DamageL
   return insert_way(m, s, end, vertex >= 0 ? vertex : s.cracks.graph.add_vertex(target), time, r.faces);
 }
 
-const std::vector<double>* plastic_states(const ShellState& s) { return s.yields() ? &s.layers.plastic : nullptr; }
+const std::vector<double>* plastic_states(const ShellState& s) {
+  return s.layers.plastic.empty() ? nullptr : &s.layers.plastic;
+}
 
 // Direction in which the undamaged stress opens a crack, on the mean over visible points ahead of `p`. False where none
 // bears.

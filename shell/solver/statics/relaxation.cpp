@@ -270,7 +270,7 @@ RelaxationResult relax(const JoinedShells& joined, const RelaxationRules& rules,
     ShellState& s = *shell.state;
     update_dropped_points(shell.model->trim, s.motion.x);
     std::fill(s.motion.v.begin(), s.motion.v.end(), 0.0);
-    compute_forces(*shell.model, s, false, s.layers.plastic.empty() ? 0.0 : 1.0,
+    compute_forces(*shell.model, s, false, s.yields() ? 1.0 : 0.0,
                    joined.shells.size() == 1 ? rules.threads : 1);  // without the weights; plastic strain stays
   }
   return r;

@@ -325,6 +325,7 @@ TEST(DuctileLayers, ATornBarStoresWhatTearingTookHoweverFarItIsStretchedAndFlows
         ShellModel m = ductile_panel(kYieldStress, 0.0);
         m.material.hardening_modulus = 0.0;
         ShellState s = watched(m, heals, gathered);
+        s.layers.plastic.assign(static_cast<std::size_t>(m.tables.blocks()) * 8 * m.tables.lanes, 0.0);
         for (int q = 0; q < m.tables.blocks(); ++q)
           for (int l = 0; l < 2; ++l)
             for (int e = 0; e < m.tables.spans_u; ++e)  // it has flowed, by next to nothing

@@ -220,7 +220,7 @@ TEST(Plasticity, StatesThatWereNeverWrittenAreNotRead) {
   const ShellModel m = wide(kSteel.hardening_modulus);
   ShellState s = make_state(m, Vec3::Zero(), 0);
   const ShellState first = s;
-  std::fill(s.layers.plastic.begin(), s.layers.plastic.end(), std::nan(""));
+  s.layers.plastic.assign(static_cast<std::size_t>(m.tables.blocks()) * 4 * 5 * m.tables.lanes, std::nan(""));
   deform(m, s, 1e-4, 0.0);
   const double elastic = compute_forces(m, s, true, 1.0, 1);
   EXPECT_TRUE(std::isfinite(elastic));
@@ -264,6 +264,54 @@ TEST(Plasticity, WhatWasFlattenedBooksNothingAsItBearsAgain) {
   for (ShellState* s : {&pressed, &spread}) deform(m, *s, 2.5e-2, 0.4), compute_forces(m, *s, false, 1.0, 2);
   EXPECT_GT(pressed.book.plastic, 0.0);
   EXPECT_NEAR(pressed.book.plastic, spread.book.plastic - first, 1e-12 * spread.book.plastic);
+}
+
+// Below the yield stress, beyond the stress up to which layers are surely elastic, pressed flat, and cut: no state is
+// made. The first flow makes them, the same with any number of threads, in rows and at gathered points.
+TEST(Plasticity, TakesMemoryFromTheFirstFlowOn) {
+  const ShellModel m = wide(kSteel.hardening_modulus);
+  const std::vector<Vec2> cut{{0.31, 0.37}, {0.63, 0.58}}, more{{0.31, 0.67}, {0.63, 0.88}};
+  std::vector<double> states, force;
+  double work = 0.0;
+  for (const int threads : {1, 2}) {
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    EXPECT_TRUE(s.yields());
+    insert_polyline(m, s, cut, 0.0);
+    const double first = kSteel.yield_stress / kSteel.youngs_modulus;
+    for (const double e : {0.1 * first, 0.9 * first, -0.9, 0.9 * first}) {
+      deform(m, s, e, 0.0);
+      compute_forces(m, s, true, 1.0, threads);
+    }
+    insert_polyline(m, s, more, 0.0);
+    EXPECT_EQ(s.layers.plastic.capacity(), 0u);
+    EXPECT_EQ(s.book.plastic, 0.0);
+    deform(m, s, 2.0 * first, 0.3);
+    compute_forces(m, s, true, 0.0, threads);  // nothing advances
+    EXPECT_EQ(s.layers.plastic.capacity(), 0u);
+    compute_forces(m, s, true, 1.0, threads);
+    EXPECT_EQ(s.layers.plastic.size(), static_cast<std::size_t>(m.tables.blocks()) * 4 * 5 * m.tables.lanes);
+    EXPECT_GT(s.book.plastic, 0.0);
+    if (threads == 1) {
+      states = s.layers.plastic, force = s.motion.force, work = s.book.plastic;
+    } else {
+      EXPECT_EQ(s.layers.plastic, states);
+      EXPECT_EQ(s.motion.force, force);
+      EXPECT_EQ(s.book.plastic, work);
+    }
+  }
+}
+
+// An edge may be the first that finds flow: points that it touches settle one by one.
+TEST(Plasticity, AnEdgeMayFindTheFirstFlow) {
+  const ShellModel m = wide(kSteel.hardening_modulus);
+  ShellState s = make_state(m, Vec3::Zero(), 0), computed = s;
+  for (ShellState* one : {&s, &computed}) deform(m, *one, 4e-3, 0.2);
+  insert_polyline(m, s, {{0.31, 0.37}, {0.63, 0.58}}, 0.0);
+  compute_forces(m, computed, false, 1.0, 1), compute_forces(m, s, false, 1.0, 1);
+  EXPECT_NEAR(s.book.plastic / computed.book.plastic, 1.0, 1e-9);
+  ASSERT_EQ(s.layers.plastic.size(), computed.layers.plastic.size());
+  for (std::size_t i = 0; i < s.layers.plastic.size(); ++i)
+    ASSERT_NEAR(s.layers.plastic[i], computed.layers.plastic[i], 1e-9);  // functions beside a crack are rounded
 }
 
 TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
