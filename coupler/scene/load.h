@@ -65,6 +65,9 @@ void validate_output(const LoadedScene& scene);
 /// Its part about scenes in which nothing moves, and about load steps.
 void validate_statics(const LoadedScene& scene);
 
+/// Its part about mass that is added to small elements.
+void validate_mass_scaling(const LoadedScene& scene);
+
 /// Bounds of a factor of the strength [-], and of the product of all factors at a point. A factor of a thousand is
 /// unbreakable in practice.
 constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;

@@ -465,6 +465,7 @@ void validate(const LoadedScene& s) {
   fracture(s);
   validate_strength_lines(s);
   validate_output(s);
+  validate_mass_scaling(s);
 }
 
 }  // namespace sunder::scene

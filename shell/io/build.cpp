@@ -12,6 +12,7 @@
 #include "shell/contact/proxy.h"
 #include "shell/geometry/parameter_place.h"
 #include "shell/io/build_driven.h"
+#include "shell/io/build_mass_scaling.h"
 #include "shell/io/build_seams.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
@@ -458,6 +459,7 @@ RunSetup build(const scene::LoadedScene& scene) {
     if (m.contacts(k).has_hertz()) add_hertz(scene, m.contacts(k), fmt::format("contacts[{}].hertz", k), r);
   set_shell_contact(scene, parts, r);
   set_laws(m, groups, r);
+  if (m.has_mass_scaling()) scale_masses(scene, r);
   return r;
 }
 

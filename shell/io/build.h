@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "coupler/core/body.h"
@@ -12,6 +13,7 @@
 #include "shell/io/probes.h"
 #include "shell/io/shell_setup.h"
 #include "shell/soft/soft_bodies.h"
+#include "shell/solver/stepping/mass_scaling.h"
 
 namespace sunder::shell {
 
@@ -64,6 +66,7 @@ struct RunSetup {
   std::vector<JointBreak> breaks;  // of each joint
   CouplingRules coupling;
   std::vector<ContactLaw> laws;
+  std::optional<MassScaling> mass_scaling;  // what it did; the models have the masses
 
   /// The copy of body i for the shells.
   Proxy proxy(std::size_t i) const { return Proxy(bodies[i], i < driven.size() ? driven[i] : nullptr); }

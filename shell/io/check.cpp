@@ -156,6 +156,18 @@ std::string warning_lines(const scene::LoadedScene& scene, const RunSetup& setup
   return out;
 }
 
+std::string mass_scaling_lines(const RunSetup& setup) {
+  if (!setup.mass_scaling) return "";
+  const MassScaling& m = *setup.mass_scaling;
+  std::string out = fmt::format(
+      "mass scaling   adds {:.4g} kg, {:.3g} % of the mass; the stable step is {:.4g} s instead of {:.4g} s\n", m.added,
+      100.0 * m.share, m.step_after, m.step_before);
+  for (const MassScaling::Lowered& l : m.modes)
+    out += fmt::format("               mode {} of {}: {:.6g} Hz instead of {:.6g} Hz, {:.3g} % too low\n", l.mode,
+                       l.shells, l.after, l.before, 100.0 * l.error());
+  return out;
+}
+
 double megabytes(const ShellState& s) {
   return 1e-6 * (2.0 * 8.0 * s.cracked.tables.metric.size() +
                  8.0 * (s.layers.face_stress.size() + 12.0 * static_cast<double>(s.motion.x.size())));
@@ -211,6 +223,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   }
   const double cost = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kTrials;
   const double until = std::min(setup.latest_freeze, setup.end_time), substeps = a_window * until / setup.window;
+  out += mass_scaling_lines(setup);
   if (setup.shells.size() > 1)
     out += fmt::format("together       {} shells, {} layer points, {} seams\n", setup.shells.size(), layer_points,
                        setup.stitches.seams.size());

@@ -63,6 +63,8 @@ Json time_of(const RunParts& run, const Recorder& recorder) {
               {"substeps", run.simulation.state.substeps}};
   out["frozen_at_s"] = pieces.frozen_at < 0.0 ? Json() : Json(pieces.frozen_at);
   out["frozen_why"] = pieces.frozen_at < 0.0 ? Json() : Json(run.pieces.frozen_why());
+  if (pieces.frozen_at >= 0.0)  // before a resumed start there was no clock of this one
+    out["frozen_wall_s"] = std::max(0.0, run.pieces.frozen_wall() - recorder.wall_start());
   out["stage_s"] = stages;
   out["cracks_grew"] = {{"wall_s", recorder.growth().wall}, {"crack_update_s", recorder.growth().crack_update}};
   return out;
@@ -199,6 +201,19 @@ Json equilibrium_of(const State& state) {
   return all;
 }
 
+Json mass_scaling_of(const MassScaling& m) {
+  Json modes = Json::array();
+  for (const MassScaling::Lowered& l : m.modes)
+    modes.push_back({{"shell", l.shells},
+                     {"mode", l.mode},
+                     {"frequency_before_Hz", l.before},
+                     {"frequency_Hz", l.after},
+                     {"error", l.error()}});
+  return {{"added_kg", m.added},      {"added_share", m.share},     {"step_before_s", m.step_before},
+          {"step_s", m.step_after},   {"most_added", m.most_added}, {"most_error", m.most_error},
+          {"modes", std::move(modes)}};
+}
+
 Json stable_step_of(const State& state) {
   double initial = 0.0, smallest = 0.0;
   for (const ShellPart& part : state.shells) {
@@ -250,6 +265,7 @@ Json models_of(const RunParts& run) {
   models.add(!state.seam_damage.empty(), "seam_damage", "damage cracks a shell that has a seam", Stage::kCrackUpdate);
   models.add(any([](const ShellSetup& s) { return !s.model.releases.empty(); }), "support_release",
              "a support has until_s", Stage::kKickDrift);
+  models.add(setup.mass_scaling.has_value(), "mass_scaling", "the scene has mass_scaling", Stage::kKickDrift);
   models.add(!setup.fields.empty(), "fields", "output.fields are given", Stage::kIo);
   models.add(setup.thick_shells, "thick_shells", "output.thick_shells is true", Stage::kIo);
   models.add(any([](const ShellSetup& s) { return s.fracture.tips_run(); }), "tip_cracks",
@@ -309,6 +325,7 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   j["warnings"] = told;
   j["shards"] = shards_of(run);
   j["stable_step"] = stable_step_of(state);
+  if (run.setup.mass_scaling) j["mass_scaling"] = mass_scaling_of(*run.setup.mass_scaling);
   if (!state.soft.empty())
     j["soft"] = {{"particles", run.simulation.soft_particles()}, {"stable_step_s", state.soft.stable_step()}};
   if (Json found = equilibrium_of(state); !found.empty()) j["equilibrium"] = std::move(found);

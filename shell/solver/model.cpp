@@ -93,6 +93,20 @@ double ShellModel::response_time() const {
   return std::max(spacing / wave_speed(), largest_thickness() / std::sqrt(tables.elasticity.mu / material.density));
 }
 
+double largest_mobility(const ShellModel& m) {
+  std::vector<GatheredFunction> functions;
+  double largest = 0.0;
+  for (int q = 0; q < m.tables.blocks(); ++q)
+    for (int e = 0; e < m.tables.spans_u; ++e) {
+      if (m.tables.metric[m.tables.at(q, kMetricFields, kArea, e)] == 0.0) continue;
+      double sum = 0.0;
+      shell_functions(m, q, e, functions);
+      for (const auto& f : functions) sum += f.n[0] * f.n[0] / m.mass[f.slot];
+      largest = std::max(largest, 2.0 * sum);
+    }
+  return largest;
+}
+
 double ShellModel::thickness_at(const Vec2& p) const {
   if (!varies()) return thickness;
   const Vec2 inside(std::clamp(p.x(), patch.knots_u.begin(), patch.knots_u.end()),
@@ -162,7 +176,6 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   }
   find_held(m, m.constraints, m.held, m.clamped);
   m.releases = find_releases(m, found);
-  std::vector<GatheredFunction> functions;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       const double* metric = &t.metric[t.at(q, kMetricFields, 0, e)];
@@ -173,11 +186,8 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       const double least =
           std::min(along_u * std::sqrt(metric[kA11 * t.lanes]), along_v * std::sqrt(metric[kA22 * t.lanes]));
       m.shortest_element = m.shortest_element > 0.0 ? std::min(m.shortest_element, least) : least;
-      double sum = 0.0;
-      shell_functions(m, q, e, functions);
-      for (const auto& f : functions) sum += f.n[0] * f.n[0] / m.mass[f.slot];
-      m.largest_mobility = std::max(m.largest_mobility, 2.0 * sum);  // the border is more mobile than its samples
     }
+  m.largest_mobility = largest_mobility(m);
   return m;
 }
 

@@ -87,6 +87,8 @@ struct ShellModel {
   ThicknessFactor thickness_factor{};       // empty: the thickness does not vary
   double thinnest = 1.0, thickest = 1.0;    // least and largest factor at Gauss points
   std::vector<double> thickness_of_slot{};  // mean factor over a control point's function; empty: 1
+  // Mass of a slot over the mass of its material, where mass is added for longer steps; empty: 1.
+  std::vector<double> mass_factor_of_slot{};
   FibreLaw fibres{};  // shear and compression through the thickness, for contact between shells with fibres
 
   bool has_fibres() const { return fibres.compression > 0.0; }
@@ -103,8 +105,10 @@ struct ShellModel {
   double least_thickness() const { return thickness * thinnest; }
   /// Lumped mass of a slot over the area that it stands for [kg/m^2].
   double mass_per_area(int slot) const {
-    return material.density * thickness * (thickness_of_slot.empty() ? 1.0 : thickness_of_slot[slot]);
+    return material.density * thickness * (thickness_of_slot.empty() ? 1.0 : thickness_of_slot[slot]) *
+           mass_factor(slot);
   }
+  double mass_factor(int slot) const { return mass_factor_of_slot.empty() ? 1.0 : mass_factor_of_slot[slot]; }
   /// Whether supports hold every control point along all axes.
   bool wholly_held() const;
   bool laminated() const { return material.interlayer.thickness > 0.0; }
@@ -116,6 +120,9 @@ struct ShellModel {
   /// shorter times.
   double response_time() const;
 };
+
+/// Returns the largest inverse mass of a surface point [1/kg]. The border is more mobile than its samples.
+double largest_mobility(const ShellModel& model);
 
 /// Makes the model of a shell, of what `trim` leaves of the patch. `layers` is the number of layers, of each ply where
 /// there is an interlayer. The model's density is then the mean over the thickness. `factor` makes the thickness vary;

@@ -69,6 +69,7 @@ MODELS = (
                                 'motion { time_s: 0.01 position { x: 0.06 z: 0.02 } } }'),
     ("shapes", "bodies.deformation", f'bodies {{ name: "lung" mesh {{ path: "{CUBE}" surface: EXACT }} pose {{ position {{ y: 0.06 z: -0.033 }} }} '
                                      'deformation { inflate {} inflate { time_s: 0.01 distance_m: 0.004 } } }'),
+    ("scaled", "mass_scaling", "mass_scaling { factor: 1.01 most_added: 0.1 }"),
     ("iterated", "coupling ITERATED", BALL + " coupling { scheme: ITERATED }"),
 )
 

@@ -87,6 +87,11 @@ void ShellContact::add_samples(const ShellRef& shell, const Tile& tile) {
       functions_.emplace_back(g.slot, g.n[0]);
       q.rest += g.n[0] * s.at(m.rest, g.slot);
     }
+    if (!m.mass_factor_of_slot.empty()) {
+      double factor = 0.0;
+      for (const GatheredFunction& g : gathered_) factor += g.n[0] * m.mass_factor(g.slot);
+      q.mass *= factor;
+    }
     samples_.push_back(q), first_.push_back(functions_.size());
   });
 }

@@ -281,4 +281,13 @@ ModeSet vibration_modes(const JoinedShells& joined, int count, int threads, bool
   return modes_of(joined, free, std::move(stiffness), free.gradients(balance.x), count);
 }
 
+Vibrations::Vibrations(const JoinedShells& joined, int threads) : joined_(joined), balance_(joined_, threads) {
+  for (const ShellRef& r : joined_.shells) check_whole(*r.model, *r.state);
+  balance_.compute();
+  stiffness_ = joined_stiffness(balance_, Differences::kFourthOrder);
+  kept_ = balance_.degrees().gradients(balance_.x);
+}
+
+ModeSet Vibrations::lowest(int count) const { return modes_of(joined_, balance_.degrees(), stiffness_, kept_, count); }
+
 }  // namespace sunder::shell

@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "shell/solver/statics/joined.h"
+#include "shell/solver/statics/balance.h"
 
 namespace sunder::shell {
 
@@ -37,5 +37,21 @@ ModeSet vibration_modes(const ShellModel& model, ShellState& state, int count, c
 /// The same for shells that seams join, which vibrate together. Dependent control points have no
 /// freedom of their own. A stiffness far above that of low modes keeps the constraints of seams.
 ModeSet vibration_modes(const JoinedShells& joined, int count, int threads, bool at_equilibrium = true);
+
+/// Modes of the same shells about their present positions with several masses. Stiffness does not depend on mass, so it
+/// is found once.
+class Vibrations {
+ public:
+  /// States must outlive it. It leaves gravity and forces that seams bear out.
+  Vibrations(const JoinedShells& joined, int threads);
+  Vibrations(const Vibrations&) = delete;
+  /// Returns the `count` lowest modes with the masses that the states have now.
+  ModeSet lowest(int count) const;
+
+ private:
+  JoinedShells joined_;
+  Balance balance_;
+  Eigen::SparseMatrix<double> stiffness_, kept_;
+};
 
 }  // namespace sunder::shell
