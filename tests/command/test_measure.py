@@ -182,6 +182,11 @@ class Measuring(unittest.TestCase):
             self.assertEqual(goals.beyond({key: math.nan}), [key])
             self.assertEqual(goals.beyond({key: goal.limit}), [])
 
+    def test_runs_are_measured_alone(self) -> None:
+        for option in (["--filter", "x"], ["--profile", "x.png"]):
+            self.assertEqual(sunder(["bench", "--runs", *option]), 2)
+            self.assertIn(f"{option[0]} chooses among kernels", self.said.getvalue())
+
     def test_zeners_equation_has_the_published_answers(self) -> None:
         for inelasticity, known in ((0.1, 0.8433), (0.5, 0.4369), (1.0, 0.1841)):
             self.assertAlmostEqual(experiments.zener(inelasticity, 1e-3), known, delta=5e-5)

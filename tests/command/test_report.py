@@ -156,7 +156,12 @@ class Reporting(unittest.TestCase):
             numbers.write_text('{"kernel_ns": 11.5}')
             return 0
 
+        def bench_runs(numbers: Path) -> int:
+            numbers.write_text('{"glass_processor_s": 100.0}')
+            return 0
+
         with mock.patch.object(report, "validate", validate), mock.patch.object(report, "bench", bench), \
+                mock.patch.object(report, "bench_runs", bench_runs), \
                 mock.patch.object(report, "case_names", lambda suite: ("roof", "share", "long", "longer")):
             return sunder(["report", *suites, "--json-dir", str(self.top)])
 
@@ -170,6 +175,8 @@ class Reporting(unittest.TestCase):
                          ["## shells", "## contact", "## engines"])
         self.assertEqual(self.report("bench"), 0)
         self.assertIn("kernel_ns", self.page("benchmarks"))
+        self.assertEqual(self.report("bench_runs"), 0)
+        self.assertIn("| glass_processor_s | 100 | ≤ 120 | ≤ 380 |", self.page("benchmarks"))
         before = self.page()
         (self.top / "validation" / "RESULTS.md").unlink()
         self.assertEqual(sunder(["report", "--no-run", "--json-dir", str(self.top)]), 0)

@@ -5,8 +5,9 @@ import argparse
 from pathlib import Path
 
 from sunder_tools.command.parser import Subparsers, add_command
+from sunder_tools.errors import BAD_INPUT, CommandError
 
-from ..validation.measure import bench
+from ..validation.measure import bench, bench_runs
 
 NAME = "bench"
 
@@ -19,6 +20,9 @@ def add_parser(subparsers: Subparsers) -> None:
         "same run; what a window's exchange with an engine in another process costs, and a whole run. Numbers\n"
         "stand beside goals and limits; exit status 1 where one is beyond its limit.")
     parser.add_argument("--filter", metavar="NAME", dest="pattern", help="benchmarks whose name holds NAME")
+    parser.add_argument("--runs", action="store_true",
+                        help="measure whole runs of shipped scenes instead, which takes minutes: what cracks, contact between "
+                             "shells, and pictures take")
     parser.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the numbers as JSON")
     parser.add_argument("--profile", metavar="FILE", type=Path,
                         help="draw the force kernel's rates under the machine's limits (.png, .svg or .pdf)")
@@ -26,4 +30,10 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the benchmarks; returns the exit status. Raises CommandError."""
+    if arguments.runs:
+        for option, given in (("--filter", arguments.pattern), ("--profile", arguments.profile)):
+            if given is not None:
+                raise CommandError(f"bench: {option} chooses among kernels, and --runs measures whole runs; leave one of them out",
+                                   BAD_INPUT)
+        return bench_runs(arguments.report)
     return bench(arguments.pattern, arguments.report, arguments.profile)

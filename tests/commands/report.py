@@ -17,11 +17,12 @@ from sunder_tools.report.machine import circumstances
 from sunder_tools.words import did_you_mean
 
 from ..validation.known import WITHOUT_LIST
-from ..validation.measure import VALIDATIONS, bench, case_names, validate
-from ..validation.results import BENCH, FIRST_USE, NUMBERS, WHOLE, Result, page, put_status, read_all, replace, result_of, today, write
+from ..validation.measure import VALIDATIONS, bench, bench_runs, case_names, validate
+from ..validation.results import (BENCH, BENCH_RUNS, FIRST_USE, NUMBERS, WHOLE, Result, page, put_status, read_all, replace,
+                                  result_of, today, write)
 
 NAME = "report"
-SUITES = (*VALIDATIONS, BENCH, FIRST_USE)
+SUITES = (*VALIDATIONS, BENCH, BENCH_RUNS, FIRST_USE)
 PICTURES = "pictures"
 TITLES = {"validation": "Results of validation", "benchmarks": "Results of benchmarks"}  # of pages, by folder of tests/
 
@@ -96,8 +97,10 @@ def run_suite(suite: str, folder: Path, case: str | None = None) -> bool:
     with tempfile.TemporaryDirectory(prefix="report-sunder-") as temporary:
         numbers = Path(temporary) / f"{suite}.json"
         try:
-            ended = bench(None, numbers) if suite == BENCH else validate(
-                suite, case, numbers, None, known=suite not in WITHOUT_LIST)
+            if suite in (BENCH, BENCH_RUNS):
+                ended = bench(None, numbers) if suite == BENCH else bench_runs(numbers)
+            else:
+                ended = validate(suite, case, numbers, None, known=suite not in WITHOUT_LIST)
         except CommandError as error:
             if error.status != PEER_LOST:
                 raise  # it could not begin: a build that fails, a program that is missing

@@ -169,6 +169,18 @@ def bench(pattern: str | None, report: Path | None, profile: Path | None = None)
     return judged(found)
 
 
+def bench_runs(report: Path | None) -> int:
+    """Measures whole runs, and prints their numbers beside goals and limits. The exit status is 1 where one is beyond its
+    limit."""
+    if report is not None:
+        _can_write(report)
+    from ..benchmarks.runs import measure_runs  # numpy and PIL only now
+    found = measure_runs(ensure_built())
+    if report is not None:
+        _write(report, json.dumps(_without_nan(found), indent=1) + "\n")
+    return judged(found)
+
+
 def judged(numbers: dict[str, float | None]) -> int:
     """Prints numbers beside goals and limits; returns 1 where one is beyond its limit. JSON has null for one that is no
     number."""
