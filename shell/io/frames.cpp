@@ -144,7 +144,27 @@ class CellFields {
 // A shell as its middle surface and, where it is asked for, as a solid.
 struct ShellMeshes {
   VtpMesh middle, solid{};
+  double area = 0.0;  // of the middle surface now, cracked or not [m^2]
 };
+
+// Area of all that is drawn [m^2]: elements that bear all over as the solver integrates them, and of the others the
+// triangles. `element` is that of each triangle, row by row.
+double area_now(const ShellModel& m, const ShellState& s, const VtpMesh& mesh, const std::vector<int>& element) {
+  const RowTables& t = m.tables;
+  std::vector<char> whole(static_cast<std::size_t>(t.spans_v) * t.spans_u);
+  double area = 0.0;
+  for (int k = 0; k < t.spans_v * t.spans_u; ++k) {
+    const SurfaceArea one = surface_area(m, s, k / t.spans_u, k % t.spans_u);
+    whole[k] = one.whole();
+    if (whole[k]) area += one.now;
+  }
+  for (std::size_t i = 0; i < element.size(); ++i) {
+    const std::vector<int>& c = mesh.polygons[i];
+    const Vec3 a = mesh.points[c[0]];
+    if (!whole[element[i]]) area += 0.5 * (mesh.points[c[1]] - a).cross(mesh.points[c[2]] - a).norm();
+  }
+  return area;
+}
 
 // Arrays that a frame has where some shell of it has such a thing: a thickness that varies, colours.
 struct Varying {
@@ -167,6 +187,7 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
   if (fields.thick) thickness.add(FieldSet::kThickness);
   CellFields thick(m, s, thickness, contact);
   std::vector<double> at_rest;                                 // thickness of each triangle [m]
+  std::vector<int> element;                                    // of each triangle
   VtpArray of_points{"thickness_at_rest", 1, {}, false, "m"};  // where it varies
   const auto corner = [&](const Vec2& p, bool near_crack) {
     const Corner c = evaluate(m, s, p, near_crack);
@@ -224,18 +245,20 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
     damage.values.push_back(s.layers.c[g]), history.values.push_back(s.layers.c_his[g]),
         fragment.values.push_back(id[t.piece[i]]);
     asked.add(centre), thick.add(centre), at_rest.push_back(m.thickness_at(centre));
+    element.push_back(f * m.tables.spans_u + lane);
   }
   mesh.point_data = {velocity, displacement, uv};
   if (varies.colour) mesh.point_data.push_back(std::move(colour));
   if (varies.thickness) mesh.point_data.push_back(std::move(of_points));
   mesh.cell_data = {damage, history, fragment};
   for (VtpArray& a : asked.arrays()) mesh.cell_data.push_back(std::move(a));
-  if (!fields.thick) return {std::move(mesh)};
+  const double area = area_now(m, s, mesh, element);
+  if (!fields.thick) return {std::move(mesh), {}, area};
   std::vector<double>& now = thick.arrays().front().values;
   for (std::size_t i = 0; i < now.size(); ++i)
     if (now[i] <= 0.0) now[i] = at_rest[i];  // nothing bears stress there
   VtpMesh solid = thick_sheet(mesh, now, at_rest);
-  return {std::move(mesh), std::move(solid)};
+  return {std::move(mesh), std::move(solid), area};
 }
 
 // Appends the mesh of shell number `shell`, with that number as a cell array.
@@ -305,9 +328,9 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
       const ContactOverTime& contact = k < fields.contact.size() ? fields.contact[k] : none;
       ShellMeshes meshes = shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact, varies);
       append(shell, std::move(meshes.middle), static_cast<int>(k));
+      shell.shell_areas.push_back(meshes.area);
       if (fields.thick) append(thick, std::move(meshes.solid), static_cast<int>(k));
       shell.shell_names.push_back(shells[k].model->name);
-      shell.shell_areas.push_back(surface_area(*shells[k].model, *shells[k].state).second);
       const std::vector<DrawnLine> own = crack_lines(*shells[k].model, *shells[k].state, static_cast<int>(k));
       lines.insert(lines.end(), own.begin(), own.end());
     }

@@ -37,27 +37,40 @@ Vec3 support_impulse(const ShellState& s, const Constraints::Part& part) {
   return sum;
 }
 
-std::pair<double, double> surface_area(const ShellModel& m, const ShellState& s) {
+SurfaceArea surface_area(const ShellModel& m, const ShellState& s, int row, int lane) {
   const RowTables& t = m.tables;
-  double rest = 0.0, now = 0.0;
+  SurfaceArea sum;
   GatheredPoint uncut;
-  for (int q = 0; q < t.blocks(); ++q)
-    for (int e = 0; e < t.spans_u; ++e) {
-      const GaussPoint g = gauss_point(m.patch, t, q, e);
-      if (g.weight == 0.0) continue;
-      const int point = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + e];
-      if (point >= 0 && (s.cracked.gathered[point].kind == PointKind::kDead || s.cracked.gathered[point].handed_off))
-        continue;
-      if (point < 0) shell_functions(m, q, e, uncut.functions);
-      const GatheredPoint& p = point < 0 ? uncut : s.cracked.gathered[point];
-      if (s.motion.detached[p.functions[0].slot]) continue;
-      const double area = t.metric[t.at(q, kMetricFields, kArea, e)] / t.thickness_factor(q, e);
-      const auto measure = [&](const std::vector<double>& x) {
-        return 1.0 / surface_forms(gather(t, p, x)).inverse_area;
-      };
-      rest += area, now += area * measure(s.motion.x) / measure(m.rest);
+  const int points = t.gauss * t.gauss;
+  for (int q = row * points; q < (row + 1) * points; ++q) {
+    const GaussPoint g = gauss_point(m.patch, t, q, lane);
+    if (g.weight == 0.0) continue;
+    const double area = t.metric[t.at(q, kMetricFields, kArea, lane)] / t.thickness_factor(q, lane);
+    const int point = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + lane];
+    if (point < 0) shell_functions(m, q, lane, uncut.functions);
+    const GatheredPoint& p = point < 0 ? uncut : s.cracked.gathered[point];
+    const bool dead = point >= 0 && p.kind == PointKind::kDead;
+    if ((point >= 0 && p.handed_off) || (!dead && s.motion.detached[p.functions[0].slot])) {
+      sum.gone += area;
+      continue;
     }
-  return {rest, now};
+    if (dead) {
+      sum.torn += area;
+      continue;
+    }
+    const auto measure = [&](const std::vector<double>& x) {
+      return 1.0 / surface_forms(gather(t, p, x)).inverse_area;
+    };
+    sum.rest += area, sum.now += area * measure(s.motion.x) / measure(m.rest);
+  }
+  return sum;
+}
+
+SurfaceArea surface_area(const ShellModel& m, const ShellState& s) {
+  SurfaceArea sum;
+  for (int row = 0; row < m.tables.spans_v; ++row)
+    for (int lane = 0; lane < m.tables.spans_u; ++lane) sum += surface_area(m, s, row, lane);
+  return sum;
 }
 
 namespace {

@@ -56,8 +56,18 @@ std::string probe_row(const std::vector<Probe>& probes, const std::vector<const 
 
 /// Displacement [m] of a material point, with the functions of the uncut patch.
 Vec3 displacement(const ShellModel& model, const ShellState& state, const Vec2& at);
-/// Area of the mid-surface [m^2] at rest and now, over Gauss points that bear stress and are not handed off.
-std::pair<double, double> surface_area(const ShellModel& model, const ShellState& state);
+/// Area of the mid-surface [m^2].
+struct SurfaceArea {
+  double rest = 0.0, now = 0.0;  // of Gauss points that bear stress
+  double torn = 0.0;             // at rest: of those that bear none, on pieces that are still there
+  double gone = 0.0;             // at rest: of those that were handed off
+  bool whole() const { return torn == 0.0 && gone == 0.0; }
+  void operator+=(const SurfaceArea& o) { rest += o.rest, now += o.now, torn += o.torn, gone += o.gone; }
+};
+/// Area of one element, in this row of elements and lane.
+SurfaceArea surface_area(const ShellModel& model, const ShellState& state, int row, int lane);
+/// Area of all elements.
+SurfaceArea surface_area(const ShellModel& model, const ShellState& state);
 /// Force of one part of a support on the shell [N].
 Vec3 reaction(const ShellModel& model, const ShellState& state, const Vec3& gravity, const Constraints::Part& part);
 /// Force of all supports on the shell [N].

@@ -23,7 +23,7 @@ struct VtpMesh {
   std::vector<VtpArray> point_data, cell_data;
   double time = 0.0;                       // [s], in the field data
   std::vector<std::string> shell_names{};  // by their number in the cell array `shell`; empty: not written
-  std::vector<double> shell_areas{};       // of the same shells now, as the solver integrates them [m^2]
+  std::vector<double> shell_areas{};       // of the same shells now, cracked or not, as they are drawn [m^2]
 };
 
 /// Writes the mesh. Throws Error (bad_output) where the file cannot be written completely.

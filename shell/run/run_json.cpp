@@ -103,15 +103,14 @@ Json cracks_of(const RunParts& run) {
 }
 
 Json surface_of(const RunParts& run) {
-  double rest = 0.0, now = 0.0;
+  SurfaceArea sum;
   std::vector<ShellRef> shells;
   for (const ShellPart& part : run.simulation.state.shells) {
     if (!part.state) continue;
     shells.push_back({&part.model(), part.state.get()});
-    const auto [before, after] = surface_area(part.model(), *part.state);
-    rest += before, now += after;
+    sum += surface_area(part.model(), *part.state);
   }
-  Json out = {{"rest_m2", rest}, {"now_m2", now}};
+  Json out = {{"rest_m2", sum.rest}, {"now_m2", sum.now}, {"torn_m2", sum.torn}};
   if (shells.size() < run.setup.shells.size()) return out;
   std::vector<double> held = held_areas(shells, run.simulation.state.stitching);
   const double least = kCountedShare * whole_area(run.setup);
