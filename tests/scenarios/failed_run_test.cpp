@@ -1,5 +1,6 @@
 // A run that fails keeps a frame of the last window whose start was sound.
 #include <atomic>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -7,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "coupler/link/host.h"
@@ -58,7 +60,57 @@ std::string run_in(
   return "";
 }
 
+constexpr double kLongWindow = 1.5e-4;  // [s]: a hundred substeps
+constexpr int kBadWindow = 3;
+
+// True where no frame of the folder has a number that is not one.
+bool frames_are_sound(const std::string& folder) {
+  const std::string nan("\0\0\0\0\0\0\xf8\x7f", 8);  // as frames store it
+  for (const auto& file : std::filesystem::directory_iterator(folder + "/frames"))
+    if (contents(file).find(nan) != std::string::npos) return false;
+  return true;
+}
+
 }  // namespace
+
+// A pressure that begins shortly after the start of a window of a hundred substeps, and is so large that strains
+// overflow.
+TEST(FailedRun, ThatFindsABadNumberEarlyInALongWindowKeepsAFrameOfItsStart) {
+  const TemporaryFolder folder;
+  std::string text = scene_of("1e9");
+  const std::string end = "elements_y: 8 }";
+  text.insert(
+      text.find(end) + end.size(),
+      fmt::format("\n  loads {{ pressure: 1 factor {{ time_s: {} value: 0 }} factor {{ time_s: {} value: 1e300 }} }}",
+                  kBadWindow * kLongWindow, (kBadWindow + 0.01) * kLongWindow));
+  std::ofstream(folder.path + "/scene.textproto") << text;
+  const auto scene = scene::load(folder.path + "/scene.textproto", {fmt::format("window_s={}", kLongWindow),
+                                                                    fmt::format("end_time_s={}", 10 * kLongWindow)});
+  rigid::FreeFlight engine;
+  shell::RunOptions options;
+  options.out = folder.path, options.quiet = true, options.scene_hash = scene.hash;
+  options.connect = [&](const shell::RunOptions&) { return std::make_unique<link::EngineHost>(engine); };
+  const std::atomic<bool> never{false};
+  try {
+    shell::Run(shell::build(scene), options).execute(never);
+    FAIL() << "nothing was found";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "unstable") << e.what();
+    EXPECT_EQ(e.window, kBadWindow);
+    double u = 0.0, v = 0.0, time = 0.0;
+    ASSERT_EQ(std::sscanf(e.what(), "shell 'pane' is unstable: at (u, v) = (%lf, %lf) and %lf s", &u, &v, &time), 3)
+        << e.what();
+    // eight substeps of a hundred until the numbers are looked at, after a few in which they overflow
+    EXPECT_GT(time, kBadWindow * kLongWindow);
+    EXPECT_LT(time, (kBadWindow + 0.2) * kLongWindow);
+    EXPECT_TRUE(u >= 0.0 && u <= 0.08 && v >= 0.0 && v <= 0.08) << e.what();
+  }
+  const std::string list = contents(folder.path + "/frames.pvd");
+  const std::size_t last = list.rfind("timestep=\"");
+  ASSERT_NE(last, std::string::npos) << list;
+  EXPECT_NEAR(std::stod(list.substr(last + 10)), kBadWindow * kLongWindow, 1e-15) << list;
+  EXPECT_TRUE(frames_are_sound(folder.path));
+}
 
 TEST(FailedRun, KeepsAFrameOfTheStartOfItsLastWindow) {
   const TemporaryFolder folder;
@@ -68,13 +120,9 @@ TEST(FailedRun, KeepsAFrameOfTheStartOfItsLastWindow) {
   ASSERT_NE(last, std::string::npos) << list;
   EXPECT_NEAR(std::stod(list.substr(last + 10)), 4 * 2e-6, 1e-15) << list;
   EXPECT_NE(contents(folder.path + "/run.json").find("\"failed\""), std::string::npos);
-  const std::string nan("\0\0\0\0\0\0\xf8\x7f", 8);  // as frames store it
-  int frames = 0;
-  for (const auto& file : std::filesystem::directory_iterator(folder.path + "/frames")) {
-    EXPECT_EQ(contents(file).find(nan), std::string::npos) << file.path();
-    ++frames;
-  }
-  EXPECT_GE(frames, 4);  // shell and bodies, at the start and now
+  EXPECT_TRUE(frames_are_sound(folder.path));
+  const std::filesystem::directory_iterator frames(folder.path + "/frames");
+  EXPECT_GE(std::distance(begin(frames), end(frames)), 4);  // shell and bodies, at the start and now
 }
 
 TEST(FailedRun, LeavesAFrameThatIsThereAsItIs) {

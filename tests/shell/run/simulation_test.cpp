@@ -1,4 +1,6 @@
 // How a simulation starts: what it measures, and what it refuses.
+#include <cstdio>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -6,6 +8,7 @@
 
 #include "coupler/core/error.h"
 #include "shell/run/simulation.h"
+#include "shell/solver/finite.h"
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/rig.h"
@@ -96,6 +99,35 @@ TEST(Simulation, RefusesAShellThatCannotMoveAndABodyThatWouldPassThrough) {
   EXPECT_EQ(refusal(shot), "");
   shot.bodies[0].motion.velocity.z() = -1e5;
   EXPECT_TRUE(says(refusal(shot), "body 'bullet' moves"));
+}
+
+// Within kFiniteInterval substeps of a window of a hundred: where it is, in which shell, and when.
+TEST(Simulation, FindsABadNumberWithinAFewSubsteps) {
+  RunSetup two = setup_of({{brittle_sheet(8)}, {brittle_sheet(8)}});
+  two.shells[1].model.name = "q";
+  Rig rig(std::move(two));
+  constexpr double kStep = 1e-7;  // [s]
+  constexpr int kSubsteps = 100, kBad = 2, kPoint = 37;
+  const ShellModel& m = rig.model(1);
+  const Vec2 place = m.parameter[kPoint];
+  int done = 0;
+  try {
+    rig.run(kSubsteps, kStep, [&] {
+      if (++done == kBad) rig.state(1).motion.x[m.tables.slot(kPoint)] = std::numeric_limits<double>::quiet_NaN();
+    });
+    FAIL() << "nothing was found";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "unstable");
+    EXPECT_EQ(e.window, 0);
+    // Forces have carried it on to its neighbours by then: the place is the first of them, within the reach of one
+    // element a substep.
+    double u = 0.0, v = 0.0, time = 0.0;
+    ASSERT_EQ(std::sscanf(e.what(), "shell 'q' is unstable: at (u, v) = (%lf, %lf) and %lf s", &u, &v, &time), 3)
+        << e.what();
+    EXPECT_NEAR(time, (done + 1) * kStep, 1e-15);
+    EXPECT_LE((Vec2(u, v) - place).lpNorm<Eigen::Infinity>(), kFiniteInterval * 2.0 * 0.2 / 8) << e.what();
+  }
+  EXPECT_LE(done, kBad + kFiniteInterval);
 }
 
 TEST(Simulation, FindsTheLawOfTwoGroupsInEitherOrder) {
