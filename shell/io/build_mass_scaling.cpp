@@ -96,16 +96,16 @@ class Scaler {
     std::vector<ShellState> states;
     std::vector<ShellRef> refs;
     std::vector<double> steps;
-    std::vector<char> can_crack;
+    std::vector<char> as_if_free;
     const std::vector<const ShellModel*> models = setup_.models();
     for (const ShellModel* m : models) states.push_back(make_state(*m, Vec3::Zero(), 0));
     for (std::size_t k = 0; k < models.size(); ++k) {
-      refs.push_back({models[k], &states[k]}), can_crack.push_back(setup_.shells[k].can_crack());
-      steps.push_back(stable_step(*models[k], states[k], kStepIterations, 1, steps_as_if_free(setup_, k)));
+      refs.push_back({models[k], &states[k]}), as_if_free.push_back(steps_as_if_free(setup_, k));
+      steps.push_back(stable_step(*models[k], states[k], kStepIterations, 1, as_if_free[k]));
     }
     if (Stitching stitching(setup_.stitches, models); !stitching.empty()) {
       stitching.move_masses(refs);
-      steps = joined_steps(refs, stitching, steps, can_crack, kJoinedIterations, 1);
+      steps = joined_steps(refs, stitching, steps, as_if_free, kJoinedIterations, 1);
     }
     return *std::min_element(steps.begin(), steps.end());
   }
