@@ -45,7 +45,7 @@ int run(int argc, char** argv) {
   const auto engine = sunder::rigid::make_engine(name);
   if (check) return 0;
   sunder::require(!endpoint.empty(), "--endpoint is missing; see sunder-rigid --help");
-  sunder::link::serve(endpoint, *engine, keys);
+  sunder::link::serve(endpoint, *engine, keys, sunder::link::connect_seconds(endpoint, die_with_parent));
   return 0;
 }
 

@@ -8,13 +8,21 @@
 
 namespace {
 
+// `process`: the rigid one where this machine has just started it; 0: none.
+std::unique_ptr<sunder::link::Channel> channel_to(const std::string& endpoint, const std::string& keys, int process) {
+  using sunder::link::Channel;
+  auto channel = std::make_unique<Channel>(Channel::Role::kConnect, endpoint, keys);
+  if (process > 0) channel->expect(process);
+  return channel;
+}
+
 std::unique_ptr<sunder::link::RigidLink> connect(const std::string& endpoint, const sunder::shell::RunOptions& o) {
   using namespace sunder::link;
   std::unique_ptr<Transport> transport;
   if (!o.replay.empty())
     transport = std::make_unique<ReplayTransport>(o.replay);
   else
-    transport = std::make_unique<Channel>(Channel::Role::kConnect, endpoint, o.keys);
+    transport = channel_to(endpoint, o.keys, o.rigid_process);
   if (!o.record.empty()) transport = std::make_unique<RecordingTransport>(std::move(transport), o.record);
   return std::make_unique<RemoteRigid>(std::move(transport), o.scene_hash, o.heard);
 }
@@ -25,12 +33,8 @@ namespace {
 
 using namespace sunder;
 
-std::unique_ptr<link::Channel> channel_to(const std::string& endpoint, const std::string& keys) {
-  return std::make_unique<link::Channel>(link::Channel::Role::kConnect, endpoint, keys);
-}
-
-int hello(const std::string& endpoint, const std::string& keys) {
-  link::RemoteRigid rigid(channel_to(endpoint, keys), "");
+int hello(const std::string& endpoint, const std::string& keys, int process) {
+  link::RemoteRigid rigid(channel_to(endpoint, keys, process), "");
   const link::EngineInfo& peer = rigid.peer();
   const nlohmann::ordered_json said = {
       {"name", peer.name}, {"version", peer.version}, {"capabilities", peer.capabilities}};
@@ -39,8 +43,8 @@ int hello(const std::string& endpoint, const std::string& keys) {
   return 0;
 }
 
-int replay_rigid(const std::string& file, const std::string& endpoint, const std::string& keys) {
-  const link::ReplayReport report = link::replay_requests(*channel_to(endpoint, keys), file);
+int replay_rigid(const std::string& file, const std::string& endpoint, const std::string& keys, int process) {
+  const link::ReplayReport report = link::replay_requests(*channel_to(endpoint, keys, process), file);
   fmt::print("{} requests, {} answers differ{}{}\n", report.requests, report.different,
              report.first.empty() ? "" : "; first: ", report.first);
   return report.different == 0 ? 0 : static_cast<int>(Exit::kCheckFailed);
@@ -49,6 +53,7 @@ int replay_rigid(const std::string& file, const std::string& endpoint, const std
 /// Asks an engine something without a scene. Returns the exit status.
 int ask(const std::string& what, int argc, char** argv) {
   std::string endpoint, keys, file;
+  int process = 0;
   const bool is_hello = what == "hello";
   CLI::App app(is_hello ? "Asks an engine who it is, and prints the answer as JSON."
                         : "Plays a recording to an engine; exit status 1 where its answers differ.",
@@ -57,9 +62,13 @@ int ask(const std::string& what, int argc, char** argv) {
       ->required()
       ->take_last();
   app.add_option("--keys", keys, "Folder of keys: the session is encrypted")->type_name("DIR")->take_last();
+  app.add_option("--rigid-process", process, "The engine's process, just started: its own time counts")
+      ->type_name("PID")
+      ->check(CLI::PositiveNumber)
+      ->take_last();
   if (!is_hello) app.add_option("FILE", file, "The recording")->required();
   if (!read_arguments(app, argc, argv)) return 0;
-  return is_hello ? hello(endpoint, keys) : replay_rigid(file, endpoint, keys);
+  return is_hello ? hello(endpoint, keys, process) : replay_rigid(file, endpoint, keys, process);
 }
 
 }  // namespace

@@ -126,7 +126,15 @@ struct Channel::Sockets {
   /// Says once on stderr that the other process is stopped, where it is.
   void tell_if_stopped();
   bool told_stopped = false;
-  bool has_told = false;  // a message without a reply went out
+  bool has_told = false;            // a message without a reply went out
+  std::optional<OwnTime> starting;  // of the process that is to connect, where it is known
+  double had_starting = 0.0;        // [s]
+  /// Seconds of waiting for a connection since the last look, `since` [s] ago by the clock.
+  double waited(double since, double connect_s) {
+    if (!starting) return std::min(since, kOneLook * connect_s);
+    const double before = had_starting;
+    return (had_starting = starting->look()) - before;
+  }
   /// True where the other side is gone and a message of it is still to be read. Events are read first, because messages
   /// sent before the end have arrived by then.
   bool has_unread_words() {
@@ -325,6 +333,8 @@ void Channel::Sockets::tell_if_stopped() {
              there);
 }
 
+void Channel::expect(pid_t process) { s_->starting.emplace(process); }
+
 int Channel::turned_away() const { return s_->turned_away; }
 
 void Channel::check_peer() {
@@ -392,7 +402,7 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     check_peer();
     const double now = now_(), since = now - looked;
     looked = now;
-    unconnected += std::min(since, kOneLook * connect_s);
+    if (!s_->was_connected) unconnected += s_->waited(since, connect_s);
     if (s_->closed_on_us > 0) s_->closing_seconds += std::min(since, kOneLook * kClosedSeconds);
     // A process of this machine owes its answer by its own time: a busy machine gives it little.
     if (!had)

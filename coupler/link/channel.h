@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include <sys/types.h>
+
 #include "coupler/link/transport.h"
 
 namespace sunder::link {
@@ -18,7 +20,7 @@ class Channel final : public Transport {
   /// longer than a window of few bodies. The time covers encoding and decoding of a thousand bodies on the other side.
   static constexpr double kAwakeSeconds = 1e-3;
   /// Time [s] for the other side to come. It may be an interpreter that starts on a machine ten times slower than
-  /// usual.
+  /// usual. Of a process that expect() names, its own time counts.
   static constexpr double kConnectSeconds = 120.0;
   /// Binds or connects. `keys`: folder of keys (link/keys.h) of an encrypted session, in which the binding side, the
   /// rigid process, admits only the shell process of these keys. Empty: no keys, for ipc:// and tcp://127.0.0.1 only.
@@ -28,11 +30,14 @@ class Channel final : public Transport {
           std::function<double()> now = steady_seconds);
   ~Channel() override;
 
+  /// The other side is this process of this machine, which is still starting: until it is connected its own time counts
+  /// (coupler/core/own_time.h), and a machine that gives it none is waited for.
+  void expect(pid_t process);
   /// Sends a message. Throws Error: peer_lost where the other side takes no more messages; message_size above
   /// kMaxMessage bytes.
   void send(const std::string& bytes);
   /// Waits for a message. `what`: the request that it answers, for errors. Throws Error:
-  /// - peer_lost where the other side is gone, or does not connect within `connect_s` seconds;
+  /// - peer_lost where the other side is gone, or does not connect within `connect_s` seconds (infinite: no limit);
   /// - deadline where it is connected and sends nothing for `deadline_s` seconds (0: no deadline); a process of this
   ///   machine has that much of its own time (coupler/core/own_time.h);
   /// - not_admitted where the keys of the two sides differ. A connecting side throws at once where it is told so, and

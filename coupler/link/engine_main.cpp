@@ -29,7 +29,7 @@ int run(const std::string& program, int argc, char** argv, const std::function<s
   const auto engine = make();
   if (check) return 0;
   require(!endpoint.empty(), "--endpoint is missing; see {} --help", program);
-  serve(endpoint, *engine, keys);
+  serve(endpoint, *engine, keys, connect_seconds(endpoint, die_with_parent));
   return 0;
 }
 

@@ -1,9 +1,9 @@
 #include "coupler/link/session.h"
 
+#include <limits>
 #include <memory>
 
 #include "coupler/core/version.h"
-#include "coupler/link/channel.h"
 #include "coupler/link/messages.h"
 
 namespace sunder::link {
@@ -117,11 +117,16 @@ std::string Session::answer(const std::string& bytes) {
   return answer.reply.SerializeAsString();
 }
 
-void serve(const std::string& endpoint, Engine& engine, const std::string& keys) {
+double connect_seconds(const std::string& endpoint, bool dies_with_parent) {
+  return dies_with_parent && endpoint.rfind("ipc://", 0) == 0 ? std::numeric_limits<double>::infinity()
+                                                              : Channel::kConnectSeconds;
+}
+
+void serve(const std::string& endpoint, Engine& engine, const std::string& keys, double connect_s) {
   Channel channel(Channel::Role::kBind, endpoint, keys);
   Session session(engine);
   while (!session.over()) {
-    const std::string reply = session.answer(channel.receive(Channel::kConnectSeconds));
+    const std::string reply = session.answer(channel.receive(connect_s));
     if (!session.abandoned()) channel.send(reply);
   }
   channel.wait_for_close();

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "coupler/link/channel.h"
 #include "coupler/link/host.h"
 #include "coupler/link/message_memory.h"
 
@@ -34,9 +35,14 @@ class Session {
   friend struct Answer;
 };
 
+/// Time [s] that an engine's process waits for the shell process. One that ends with the process that started it, and
+/// waits at a socket's file, waits for as long as that lives: whoever started it watches the other side too.
+double connect_seconds(const std::string& endpoint, bool dies_with_parent);
 /// Serves one session on `endpoint` and returns after Bye. `keys`: folder of keys of an encrypted session; empty: none.
+/// The shell process has `connect_s` seconds to come.
 /// Throws Error: peer_lost where the other side is gone, peer_failed where it reports a failure, bad_message for a
 /// wrong request (after an Error reply).
-void serve(const std::string& endpoint, Engine& engine, const std::string& keys = "");
+void serve(const std::string& endpoint, Engine& engine, const std::string& keys = "",
+           double connect_s = Channel::kConnectSeconds);
 
 }  // namespace sunder::link

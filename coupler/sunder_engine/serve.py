@@ -2,13 +2,14 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from typing import Callable
 
 from .engine import BAD_INPUT, PEER_LOST, Engine
 from .session import Session
-from .wire import Lost, Wire
+from .wire import CONNECT_S, Lost, Wire
 
 
 def main(make: Callable[[], Engine], arguments: list[str] | None = None) -> int:
@@ -20,7 +21,10 @@ def main(make: Callable[[], Engine], arguments: list[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     parent = os.getppid()
     try:
-        wire = Wire(given.endpoint, lambda: not given.die_with_parent or os.getppid() == parent)
+        # one that ends with its parent waits for as long as that lives, which watches the other side too
+        patient = given.die_with_parent and given.endpoint.startswith("ipc://")
+        wire = Wire(given.endpoint, lambda: not given.die_with_parent or os.getppid() == parent,
+                    math.inf if patient else CONNECT_S)
     except (OSError, ValueError) as error:
         return _told(f"bad_endpoint: --endpoint {given.endpoint}: {error}", BAD_INPUT)
     try:

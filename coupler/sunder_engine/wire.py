@@ -113,8 +113,9 @@ class _Messages:
 class Wire(_Messages):
     """The binding side: an engine's. Accepts one connection and keeps it."""
 
-    def __init__(self, endpoint: str, go_on: Callable[[], bool] = lambda: True) -> None:
-        """Binds. Raises ValueError for an address that cannot be, OSError where it cannot be bound."""
+    def __init__(self, endpoint: str, go_on: Callable[[], bool] = lambda: True, connect_s: float = CONNECT_S) -> None:
+        """Binds. The shell process has `connect_s` seconds to come; infinite: no limit. Raises ValueError for an address that
+        cannot be, OSError where it cannot be bound."""
         super().__init__("the shell process", "the process that started this one is gone", go_on)
         self._path, port = _address(endpoint)
         if self._path:
@@ -124,6 +125,7 @@ class Wire(_Messages):
             self._listener = socket.create_server(("127.0.0.1", port))
         self._listener.listen(4)
         self._listener.settimeout(LOOK_S)
+        self._connect_s = connect_s
 
     def close(self) -> None:
         """Waits until the other side has read all and closes, and takes the socket's file away."""
@@ -146,15 +148,17 @@ class Wire(_Messages):
 
     def _open(self) -> None:
         """One try to get a connection. One that leaves during the handshake is not the shell's: another may come."""
-        for _ in range(int(CONNECT_S / LOOK_S)):  # looks are counted: while this process is stopped, no time passes
+        waited_s = 0.0  # looks are counted: while this process is stopped, no time passes
+        while True:
             try:
                 connection, _ = self._listener.accept()
                 break
             except TimeoutError:
+                waited_s += LOOK_S
                 if not self._go_on():
                     raise Lost(self._gone) from None
-        else:
-            raise Lost(f"the shell process did not connect within {CONNECT_S:.0f} s")
+                if waited_s >= self._connect_s:
+                    raise Lost(f"the shell process did not connect within {self._connect_s:g} s") from None
         try:
             self._shake_hands(connection)
         except Lost:

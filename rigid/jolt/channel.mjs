@@ -14,8 +14,8 @@ const lost = (message) => new Failure(Exit.peerLost, 'peer_lost', message);
 
 /** A connection to the shell process. */
 export class Channel {
-  /** Binds an endpoint. Throws Failure (bad_input, bad_endpoint). */
-  static async bind(zmq, endpoint) {
+  /** Binds an endpoint. The shell process has `connect_s` seconds to come. Throws Failure (bad_input, bad_endpoint). */
+  static async bind(zmq, endpoint, connect_s = kConnect_s) {
     if (!endpoint.startsWith('ipc://') && !/^tcp:\/\/127\.0\.0\.1:[0-9]{1,5}$/.test(endpoint))
       throw new Failure(Exit.badInput, 'bad_input',
         `--endpoint ${endpoint}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet`);
@@ -25,7 +25,7 @@ export class Channel {
         `--endpoint ${endpoint}: its path has ${bytes} bytes, a socket's at most ${kMostPath}; use a shorter one`);
     const channel = new Channel(new zmq.Pair({
       linger: kLinger_ms, maxMessageSize: kMaxMessage, sendTimeout: kSend_ms,
-    }));
+    }), connect_s);
     try {
       await channel.socket.bind(endpoint);
     } catch (error) {
@@ -36,13 +36,13 @@ export class Channel {
     return channel;
   }
 
-  constructor(socket) {
+  constructor(socket, connect_s) {
     this.socket = socket;
     this.isLost = false;
     this.gone = new Promise((_, reject) => {
       let waited_s = 0; // counted, because a timer runs out while this process is stopped
       const unconnected = setInterval(() => {
-        if (++waited_s >= kConnect_s) reject(lost(`the shell process did not connect within ${kConnect_s} s`));
+        if (++waited_s >= connect_s) reject(lost(`the shell process did not connect within ${connect_s} s`));
       }, 1000);
       this.giveUp = () => clearInterval(unconnected);
       let connected = false;

@@ -37,9 +37,11 @@ function dieWithParent() {
   }, kParent_ms).unref();
 }
 
-async function serve(endpoint, make) {
+async function serve(endpoint, make, diesWithParent) {
   const zmq = await loadZeroMq();
-  const channel = await Channel.bind(zmq, endpoint);
+  // One that ends with its parent waits for as long as that lives, which watches the other side too.
+  const patient = diesWithParent && endpoint.startsWith('ipc://');
+  const channel = await Channel.bind(zmq, endpoint, patient ? Infinity : undefined);
   try {
     const session = new Session(await make(), await loadMessages());
     while (!session.over) {
@@ -56,7 +58,7 @@ async function run(program, make, argv) {
   const { help, check, endpoint, dieWithParent: watch } = options(program, argv);
   if (help) return void process.stdout.write(usage(program));
   if (watch) dieWithParent();
-  if (!check) return serve(endpoint, make);
+  if (!check) return serve(endpoint, make, watch);
   await loadZeroMq();
   await loadMessages();
   return void await make();

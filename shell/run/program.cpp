@@ -58,6 +58,11 @@ int run(const Program& program, int argc, char** argv) {
   app.add_option("--trace", options.trace, "Writes a trace of both processes to this file")->take_last();
   app.add_option("--rigid-program", options.rigid_program, "What the trace calls the rigid side's program")
       ->take_last();
+  app.add_option("--rigid-process", options.rigid_process,
+                 "The rigid side's process, just started: its own time counts until it is connected")
+      ->type_name("PID")
+      ->check(CLI::PositiveNumber)
+      ->take_last();
   app.add_option("--keys", options.keys, "Folder of keys: the session is encrypted")->take_last();
   app.add_flag("--resume", options.resume, "Goes on from the checkpoint in the run folder");
   app.add_flag("--profile", options.profile, "Writes profile.json: the stages beside the limits of this machine");

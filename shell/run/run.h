@@ -21,6 +21,7 @@ struct RunOptions {
   std::string record, replay, trace;   // files; empty: none
   std::string keys;                    // folder of the keys of an encrypted session; empty: none
   std::string program, rigid_program;  // names of this program and of the rigid side's, for the trace; empty: not known
+  int rigid_process = 0;               // of this machine, that the launcher has just started; 0: not known
   bool resume = false;                 // continue from the checkpoint in `out`
   bool profile = false;                // write profile.json at the end
   /// Connects to the rigid side. Called once, at the start.

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import shlex
 import socket
@@ -19,7 +20,7 @@ sys.path.insert(0, str(TOP / "coupler"))
 from sunder_engine import BAD_INPUT, ENGINE_FAILED, PEER_LOST, Engine  # noqa: E402
 from sunder_engine.messages import exchange  # noqa: E402
 from sunder_engine.session import Session  # noqa: E402
-from sunder_engine.wire import GREETING, READY, Lost, Wire  # noqa: E402
+from sunder_engine.wire import GREETING, LOOK_S, READY, Lost, Wire  # noqa: E402
 
 QUICK = ("rules_turn", "rules_window", "rules_end", "free_flight_sphere", "births", "deterministic")
 WITH_CACHES = ("save_restore", "again", "solved_box", "rules_turn")
@@ -221,6 +222,18 @@ class OnTheWire(unittest.TestCase):
                 wire.receive()
             wire.close()
             self.assertEqual(os.listdir(folder), [])
+
+    def test_a_limit_ends_the_wait_for_a_shell_and_without_one_only_the_parents_end_does(self) -> None:
+        looks = iter([True, True, False])
+        with tempfile.TemporaryDirectory() as folder:
+            for k, (go_on, connect_s, why) in enumerate((
+                    (lambda: True, LOOK_S, f"the shell process did not connect within {LOOK_S:g} s"),
+                    (lambda: next(looks), math.inf, "the process that started this one is gone"))):
+                wire = Wire(f"ipc://{folder}/{k}", go_on, connect_s)
+                with self.assertRaisesRegex(Lost, why):
+                    wire.receive()
+                wire.close()
+        self.assertEqual(list(looks), [])
 
     def test_an_address_that_others_can_reach_is_refused(self) -> None:
         with self.assertRaisesRegex(ValueError, "use ipc://PATH"):

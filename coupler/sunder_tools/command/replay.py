@@ -67,6 +67,7 @@ def _replay_rigid(engine: str, recording: Path, keys: Path | None) -> int:
                                       stdin=subprocess.DEVNULL)
         try:
             status = subprocess.run([str(executables.shell), "replay-rigid", str(recording), "--endpoint", endpoint,
+                                     *(["--rigid-process", str(server.pid)] if server is not None else []),
                                      *(["--keys", str(keys)] if keys else [])],
                                     check=False).returncode
         finally:

@@ -111,6 +111,7 @@ def hello(rigid: Rigid, executables: Executables, keys: Path | None = None) -> d
             process = subprocess.Popen([*rigid.command, "--endpoint", endpoint, "--die-with-parent"],
                                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said)
         asking = subprocess.Popen([str(executables.shell), "hello", "--endpoint", endpoint,
+                                   *(["--rigid-process", str(process.pid)] if process is not None else []),
                                    *(["--keys", str(keys)] if keys else [])],
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace")
         left: OwnTime | None = None  # of the asking process, once the engine has ended

@@ -195,6 +195,7 @@ def _launch(shell: list[str], rigid: engines.Rigid, executables: Executables, fo
                         [*rigid.command, "--endpoint", endpoint, "--die-with-parent"], stdin=subprocess.DEVNULL,
                         stdout=rigid_log, stderr=subprocess.STDOUT, start_new_session=True))
             where = ["--engine", rigid.in_process] if rigid.in_process else ["--endpoint", endpoint]
+            where += ["--rigid-process", str(processes[0].pid)] if processes else []
             program = executables.single if rigid.in_process else executables.shell
             # Threads that spin while they wait for one another take the core that the other needs; those that sleep at
             # once wake late, and a new crack edge is a few loops of tens of microseconds, which is what they spin for.

@@ -2,6 +2,7 @@
 // late.
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <functional>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "coupler/core/error.h"
 #include "coupler/link/channel.h"
 #include "coupler/link/peer.h"
+#include "coupler/link/session.h"
 #include "tests/free_endpoint.h"
 #include "tests/temporary_folder.h"
 
@@ -64,6 +66,7 @@ class Child {
   ~Child() {
     if (pid_ > 0) kill(pid_, SIGKILL), waitpid(pid_, nullptr, 0);
   }
+  pid_t pid() const { return pid_; }
   // Waits until the child has stopped itself, and lets it go on `seconds` later.
   void continue_after(double seconds) const {
     int status = 0;
@@ -129,6 +132,72 @@ TEST(Connection, ThatAlwaysClosesIsRefusedWithWhatWasSeen) {
   }
   over = true, relay.end();
   closes.join();
+}
+
+// A machine that gives the other process no time before it binds: by the clock, which runs a hundred times too fast,
+// both sides have waited for longer than kConnectSeconds.
+TEST(Connection, IsWaitedForWhileTheOtherProcessHasNoTimeToMakeIt) {
+  static_assert(100.0 * kStoppedSeconds > 2.0 * Channel::kConnectSeconds);
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + folder.path + "/socket";
+  Child peer([&] {
+    raise(SIGSTOP);
+    Channel channel(Channel::Role::kBind, endpoint);
+    channel.send(channel.receive(30.0));
+    channel.wait_for_close();
+    return true;
+  });
+  std::thread wakes([&] { peer.continue_after(kStoppedSeconds); });
+  std::string answer;
+  EXPECT_NO_THROW({
+    Channel channel(Channel::Role::kConnect, endpoint, "", fast_seconds);
+    channel.expect(peer.pid());
+    answer = channel.ask("word", 0.0, "Hello");
+  });
+  EXPECT_EQ(answer, "word");
+  wakes.join();
+  EXPECT_TRUE(peer.done());
+}
+
+TEST(Connection, IsWaitedForByAProcessThatEndsWithItsParent) {
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + folder.path + "/socket";
+  Child peer([&] {
+    raise(SIGSTOP);
+    Channel channel(Channel::Role::kConnect, endpoint);
+    return channel.ask("word", 0.0, "Hello") == "word";
+  });
+  std::thread wakes([&] { peer.continue_after(kStoppedSeconds); });
+  Channel channel(Channel::Role::kBind, endpoint, "", fast_seconds);
+  std::string word;
+  EXPECT_NO_THROW(word = channel.receive(connect_seconds(endpoint, true)));
+  channel.send(word);
+  wakes.join();
+  EXPECT_TRUE(peer.done());
+}
+
+// One that does nothing by itself, or whose other side is on another machine, has a limit.
+TEST(Connection, HasALimitWhereNobodyWatchesTheOtherSide) {
+  for (const char* endpoint : {"tcp://127.0.0.1:4000", "tcp://0.0.0.0:4000"})
+    EXPECT_EQ(connect_seconds(endpoint, true), Channel::kConnectSeconds);
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + folder.path + "/socket";
+  EXPECT_EQ(connect_seconds(endpoint, false), Channel::kConnectSeconds);
+  EXPECT_TRUE(std::isinf(connect_seconds(endpoint, true)));
+  Child idle([] {
+    pause();
+    return true;
+  });
+  Channel channel(Channel::Role::kConnect, endpoint);
+  channel.expect(idle.pid());  // it sleeps, which is its own time
+  channel.send("word");
+  try {
+    channel.receive(0.5);
+    ADD_FAILURE() << "something answered";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "peer_lost");
+    EXPECT_NE(std::string(e.what()).find("did not connect within 0.5 s"), std::string::npos) << e.what();
+  }
 }
 
 // The clock here runs a hundred times too fast, so a deadline of time would pass while the peer is stopped.
