@@ -81,10 +81,16 @@ class Status(unittest.TestCase):
         results.put_status(self.readme, [results.result_of("shells", CASES, 90.0, WITH)])
         text = self.readme.read_text()
         self.assertTrue(text.startswith("# Top\n\n") and text.endswith(f"{results.LAST}\n\nend\n"))
-        self.assertIn("| shells | 1 pass, 1 known, 1 fail | 1.5 | abc | 2000-01-02 |", text)
+        self.assertIn("| shells | 1 pass, 1 known, 1 fail (gone) | 1.5 | abc | 2000-01-02 |", text)
         self.assertNotIn("old", text)
         results.put_status(self.readme, [])
         self.assertIn("No suite has been reported yet.", self.readme.read_text())
+
+    def test_rows_that_fail_are_named_up_to_a_few(self) -> None:
+        rows = [{**CASES["cases"][2], "name": name} for name in "abcde"]
+        for count, words in ((1, "1 fail (a)"), (3, "3 fail (a, b, c)"), (5, "5 fail (a, b, c and 2 more)")):
+            told = results.status([results.result_of("shells", {"cases": [CASES["cases"][0], *rows[:count]]}, 6.0, WITH)])
+            self.assertIn(f"| shells | 1 pass, {words} | 0.1 |", told)
 
     def test_a_page_without_a_place_is_refused_and_stays(self) -> None:
         both = (("status", results.FIRST, results.LAST), ("times", results.FIRST_TIMES, results.LAST_TIMES))
