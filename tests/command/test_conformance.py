@@ -21,7 +21,7 @@ from tests.validation import measure, programs
 from . import REPOSITORY, sunder
 
 SUITE = """#!/usr/bin/python3
-import json, sys
+import json, os, signal, sys, time
 options = sys.argv[1:]
 engine = options[-1] if "--engine-arg" not in options else [b for a, b in zip(options, options[1:]) if a == "--engine-arg"][-1]
 with open({log!r}, "a") as log:
@@ -30,8 +30,11 @@ if "nonsense" in options:
     sys.exit(2)
 rows, status = json.load(open({rows!r}))[engine]
 if rows is not None:
-    json.dump({{"engine": engine, "version": "1", "capabilities": [], "cases": rows}},
+    json.dump({{"engine": engine, "version": "1", "capabilities": [], "cases": rows, **({{"left": ["b", "c"]}} if status == 130 else {{}})}},
               open(options[options.index("--json") + 1], "w"))
+if status == 130:
+    os.kill(os.getppid(), signal.SIGINT)
+    time.sleep(60)
 sys.exit(status)
 """
 
@@ -89,6 +92,15 @@ class Suites(unittest.TestCase):
         self.assertIn("FAIL  beta: fall.speed: no reply", self.told.getvalue())
         self.assertEqual(self.validate({"alpha": (None, 3), "beta": (GOOD, 0)}), 1)  # nobody spoke
         self.assertIn("alpha: the suite found no engine", self.told.getvalue())
+
+    def test_an_interruption_keeps_what_ran(self) -> None:
+        report = self.folder / "table.json"
+        self.assertEqual(self.validate({"alpha": (BAD, 130), "beta": (GOOD, 0)}, "--json", str(report)), 130)
+        told = self.told.getvalue()
+        self.assertIn("FAIL  alpha: fall.speed: no reply", told)  # the table so far
+        self.assertIn("not asked: beta\n", told)
+        self.assertIn("interrupted: 1 case ran, 2 are left\n", told)
+        self.assertEqual(json.loads(report.read_text())["engines"]["alpha"]["left"], ["b", "c"])
 
     def test_one_engine_alone(self) -> None:
         self.assertEqual(self.validate({"beta": (GOOD, 0)}, "--rigid", "beta"), 0)

@@ -17,6 +17,7 @@ from sunder_tools.pictures.plots import there
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests.benchmarks import goals
 from tests.validation import experiments, measure, results, trials
+from tests.validation.extremes import rows as extremes
 
 from . import sunder
 from .fakes import write_executables
@@ -186,6 +187,73 @@ class Measuring(unittest.TestCase):
         for option in (["--filter", "x"], ["--profile", "x.png"]):
             self.assertEqual(sunder(["bench", "--runs", *option]), 2)
             self.assertIn(f"{option[0]} chooses among kernels", self.said.getvalue())
+    def test_an_interruption_keeps_what_ran(self) -> None:
+        """The program gives a row of its first case and is interrupted in the second, as by Ctrl-C in a terminal."""
+        so_far = {**NUMBERS, "ran": {"a": 1}, "left": ["b", "c"]}
+        self.program("sunder-validate", "import os, signal, time\n"
+                     "if sys.argv[1:] == ['--list']:\n    print('shells:\\n  a  one\\n  b  two\\n  c  three')\n    sys.exit()\n"
+                     f"if os.path.exists({str(self.folder / 'rows')!r}):\n"
+                     f"    open(sys.argv[sys.argv.index('--json') + 1], 'w').write({json.dumps(json.dumps(so_far))})\n"
+                     "os.kill(os.getppid(), signal.SIGINT)\ntime.sleep(60)")
+        table = self.folder / "table.json"
+        told = io.StringIO()
+        whole = {"shells": (experiments.Experiment("bounce", "a ball", lambda table, executables: None),)}
+        with mock.patch.dict(experiments.EXPERIMENTS, whole), contextlib.redirect_stdout(told):
+            self.assertEqual(sunder(["validate", "shells", "--json", str(table)]), 130)
+            self.assertIn("interrupted: 0 cases ran, 4 are left\n", told.getvalue())
+            self.assertEqual(json.loads(table.read_text()), {"cases": [], "ran": {}, "left": ["a", "b", "c", "bounce"]})
+            (self.folder / "rows").touch()
+            self.assertEqual(sunder(["validate", "shells", "--json", str(table), "--known"]), 130)
+        self.assertIn("interrupted: 1 case ran, 3 are left\n", told.getvalue())
+        self.assertEqual(json.loads(table.read_text()),
+                         {"cases": NUMBERS["cases"], "ran": {"a": 1}, "left": ["b", "c", "bounce"]})
+
+    def test_an_interrupted_whole_run_leaves_no_row(self) -> None:
+        def good(table: experiments.Table, executables: build.Executables) -> None:
+            del executables
+            table.add("bounce_1", 1.0, 1.0, 0.03, 0.5)
+
+        def cut(table: experiments.Table, executables: build.Executables) -> None:
+            del executables
+            table.add("cut_1", 1.0, 1.0, 0.03, 0.5)
+            table.curves.append(NUMBERS["curves"][0])
+            raise errors.Interrupted
+
+        runs = {"shells": tuple(experiments.Experiment(name, "", run) for name, run in (
+            ("bounce", good), ("cut", cut), ("later", good)))}
+        self.validator(1)  # and a row of it fails
+        table = self.folder / "table.json"
+        with mock.patch.dict(experiments.EXPERIMENTS, runs), contextlib.redirect_stdout(io.StringIO()) as told:
+            self.assertEqual(sunder(["validate", "shells", "--json", str(table)]), 130)
+        self.assertIn("interrupted: 1 case ran, 2 are left\n", told.getvalue())
+        found = json.loads(table.read_text())
+        self.assertEqual([row["name"] for row in found["cases"]], ["a", "bounce_1"])
+        self.assertEqual((found["ran"], found["left"]), ({"bounce": 1}, ["cut", "later"]))
+
+    def test_interrupted_benchmarks_and_extremes_keep_theirs(self) -> None:
+        self.program("sunder-bench", "import os, signal, time\n"
+                     "open(sys.argv[sys.argv.index('--json') + 1], 'w').write('{\"kernel_ns\": 11.5}')\n"
+                     "os.kill(os.getppid(), signal.SIGINT)\ntime.sleep(60)")
+        numbers = self.folder / "numbers.json"
+        with contextlib.redirect_stdout(io.StringIO()) as told:
+            self.assertEqual(sunder(["bench", "--json", str(numbers)]), 130)
+            self.assertEqual(json.loads(numbers.read_text()), {"kernel_ns": 11.5})
+            self.assertRegex(told.getvalue(), r"(?m)^kernel_ns +11\.5$")
+            self.assertIn("interrupted: 1 number so far, others are left", told.getvalue())
+            outcomes = iter([("fine", [{"name": "one", "pass": True, "seconds": 0.1}])])
+
+            def run_row(row: extremes.Row, runner: extremes.Runner) -> tuple[str, list[dict[str, object]]]:
+                del row, runner
+                for outcome in outcomes:
+                    return outcome
+                raise errors.Interrupted
+
+            with mock.patch.object(extremes, "run_row", run_row), mock.patch.object(measure, "ensure_built"):
+                self.assertEqual(sunder(["validate", "extremes", "--case", "refused", "--json", str(numbers)]), 130)
+        self.assertRegex(told.getvalue(), r"(?m)^interrupted: 1 row ran, [0-9]+ are left$")
+        found = json.loads(numbers.read_text())
+        self.assertEqual((found["cases"][0]["name"], len(found["ran"])), ("one", 1))
+        self.assertGreater(len(found["left"]), 3)
 
     def test_zeners_equation_has_the_published_answers(self) -> None:
         for inelasticity, known in ((0.1, 0.8433), (0.5, 0.4369), (1.0, 0.1841)):

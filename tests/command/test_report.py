@@ -145,14 +145,16 @@ class Reporting(unittest.TestCase):
         self.top = Path(temporary.name)
         self.said = io.StringIO()
         self.cases: list[str | None] = []
+        self.rigid: str | None = None
         for context in (contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO()),
                         mock.patch.object(report, "circumstances", lambda build: WITH)):
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
 
     def report(self, *suites: str, status: int = 0, found: object = None) -> int:
-        def validate(suite: str, case: str | None, numbers: Path, plots: None, known: bool) -> int:
+        def validate(suite: str, case: str | None, numbers: Path, plots: None, known: bool, rigid: str | None = None) -> int:
             self.assertEqual(known, suite not in ("engines", "extremes"))
+            self.rigid = rigid
             self.cases.append(case)
             if found is not None:
                 numbers.write_text(json.dumps(found))
@@ -207,6 +209,51 @@ class Reporting(unittest.TestCase):
         self.assertNotIn("share_1", self.page())
         self.assertEqual(self.report("shells", found=CASES), 0)  # the whole suite replaces all
         self.assertIn("| all | abc |", self.page())
+
+    def test_an_engine_is_renewed_alone(self) -> None:
+        def suite(name: str, *rows: dict[str, object]) -> dict[str, object]:
+            return {name: {"engine": name, "version": "1", "cases": rows}}
+
+        fall, stack = ENGINES["engines"]["ode"]["cases"]
+        both = {"engines": {**suite("ode", fall, stack), **suite("jolt", fall, stack)}}
+        self.assertEqual(self.report("engines", found=both), 0)
+        self.assertIsNone(self.rigid)
+        for name, rows in (("ode", (fall,)), ("mujoco", (fall, stack))):  # one of ode's cases is no more
+            with mock.patch.object(report, "circumstances", lambda build: {**WITH, "commit": "def", "date": "2000-01-03"}):
+                self.assertEqual(self.report("engines", "--rigid", name, found={"engines": suite(name, *rows)}), 0)
+            self.assertEqual(self.rigid, name)
+        kept = results.read_all(self.top / "validation" / "results")[0]
+        self.assertEqual([row["case"] for row in kept.rows],
+                         ["ode: fall.height", "jolt: fall.height", "jolt: stack", "mujoco: fall.height", "mujoco: stack"])
+        self.assertEqual(list(kept.runs), ["", "ode", "mujoco"])
+        self.assertIn("| all others | abc |", self.page())
+        self.assertIn("| ode, mujoco | def |", self.page())
+        for arguments, words in ((["shells"], "goes with the suite 'engines' alone"), (["engines", "--case", "fall"], "'engines' alone"),
+                                 (["engines", "shells"], "'engines' alone"), ([], "'engines' alone")):
+            self.assertEqual(self.report(*arguments, "--rigid", "ode"), 2)
+            self.assertIn(words, self.said.getvalue())
+        self.assertEqual(self.report("engines", "--rigid", "./mine"), 2)
+        self.assertIn("sunder validate engines --rigid PROGRAM", self.said.getvalue())
+
+    def test_an_interruption_renews_the_cases_that_ran(self) -> None:
+        self.assertEqual(self.report("shells", found=CASES), 0)
+        roof = {**CASES["cases"][0], "computed": 1.03}
+        self.assertEqual(self.report("shells", "contact", status=130, found={"cases": [roof], "ran": {"roof": 1}, "left": ["share"]}), 130)
+        self.assertIn("interrupted; what ran is kept, not run: contact\n", self.said.getvalue())
+        kept = results.read_all(self.top / "validation" / "results")
+        self.assertEqual([result.suite for result in kept], ["shells"])
+        self.assertEqual([(row["case"], row["computed"]) for row in kept[0].rows], [("roof", 1.03), ("share", 0.5), ("gone", None)])
+        before = self.page()
+        self.assertEqual(self.report("shells", status=130), 130)  # nothing had run
+        self.assertEqual(self.page(), before)
+        self.assertEqual(self.report("soft", status=130, found={"cases": [roof], "ran": {"roof": 1}, "left": ["share"]}), 130)
+        self.assertIn("\nNot run yet: share.\n", self.page())
+        one = {**ENGINES["engines"]["ode"], "cases": ENGINES["engines"]["ode"]["cases"][:1], "left": ["stack"]}
+        self.assertEqual(self.report("engines", found=ENGINES), 0)
+        self.assertEqual(self.report("engines", status=130, found={"engines": {"ode": one}}), 130)
+        kept = {result.suite: result for result in results.read_all(self.top / "validation" / "results")}
+        self.assertEqual([(row["case"], row["run"]) for row in kept["engines"].rows],
+                         [("ode: fall.height", "ode, in part"), ("ode: stack", "")])
 
     def test_cases_that_no_run_has_had_are_named(self) -> None:
         self.assertEqual(self.report("shells", "--case", "roof", found={"cases": CASES["cases"][:1]}), 0)

@@ -7,9 +7,10 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 from sunder_tools.command.parser import Subparsers, add_command
-from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, PEER_LOST, CommandError
+from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError
 from sunder_tools.launch import first_use
 from sunder_tools.launch.build import build_dir
 from sunder_tools.places import REPOSITORY
@@ -33,15 +34,18 @@ def add_parser(subparsers: Subparsers) -> None:
         subparsers, NAME, "run suites and write their results as pages",
         "Runs the suites named, all where none is, and keeps the JSON of each in tests/validation/results and\n"
         "tests/benchmarks/results. Writes RESULTS.md beside both and the status lines of README.md, from all JSON\n"
-        "that is there: a suite can be renewed alone, and with --case one case of it. Rows are judged by the lists of known\n"
-        "failures as they are now. first_use runs nothing: it keeps what\n"
-        "the first picture of this checkout took, on a machine that had nothing. Exit status 1 where a suite fails.\n"
+        "that is there: a suite can be renewed alone, with --case one case of it, and with --rigid the rows of one engine.\n"
+        "Rows are judged by the lists of known failures as they are now. Ctrl-C keeps the cases that ran. first_use runs\n"
+        "nothing: it keeps what the first picture of this checkout took, on a machine that had nothing. Exit status 1 where\n"
+        "a suite fails.\n"
         "'pictures' instead of a suite draws the pictures that pages show, which takes hours; with --picture one of them.\n"
         "Exit status 1 where this machine cannot draw one, which then stays as it is.",
         "sunder report shells contact\nsunder report cracks --case mirror\nsunder report pictures --picture glass")
     parser.add_argument("suites", metavar="SUITE", nargs="*", help=", ".join((*SUITES, PICTURES)))
     parser.add_argument("--case", metavar="NAME",
                         help="run this case only, and keep the other rows of the suite; with one SUITE of 'sunder validate'")
+    parser.add_argument("--rigid", metavar="ENGINE",
+                        help="with 'engines': hold this engine to the suite, and keep the rows of the others")
     parser.add_argument("--json-dir", metavar="DIR", type=Path,
                         help="keep the JSON in DIR/validation and DIR/benchmarks, the pages beside, and leave README.md alone")
     parser.add_argument("--picture", metavar="NAME", action="append", default=[],
@@ -65,12 +69,28 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.case is not None and (len(arguments.suites) != 1 or arguments.suites[0] in NUMBERS):
         raise CommandError("report: --case goes with one suite of 'sunder validate', as in 'sunder report cracks --case mirror'",
                            BAD_INPUT)
+    if arguments.rigid is not None and (arguments.suites != ["engines"] or arguments.case is not None):
+        raise CommandError("report: --rigid goes with the suite 'engines' alone, as in 'sunder report engines --rigid mujoco'",
+                           BAD_INPUT)
+    if arguments.rigid is not None and not arguments.rigid.isidentifier():
+        raise CommandError(f"report: --rigid {arguments.rigid}: the page has engines of this project, by their names; for a program "
+                           "of yours take 'sunder validate engines --rigid PROGRAM'", BAD_INPUT)
     top = arguments.json_dir or REPOSITORY / "tests"
-    failed = [] if arguments.no_run else [
-        s for s in arguments.suites or SUITES[:-1] if not run_suite(s, folder_of(s, top), arguments.case)]
+    suites = () if arguments.no_run else arguments.suites or SUITES[:-1]
+    failed, ended = [], DONE
+    for suite in suites:
+        ended = run_suite(suite, folder_of(suite, top), arguments.case, arguments.rigid)
+        if ended == INTERRUPTED:
+            break
+        if ended != DONE:
+            failed.append(suite)
     write_pages(top, None if arguments.json_dir else REPOSITORY / "README.md")
     if failed:
         print(f"sunder: these suites fail: {', '.join(failed)}", file=sys.stderr)
+    if ended == INTERRUPTED:
+        left = suites[suites.index(suite) + 1:]
+        print(f"sunder: interrupted; what ran is kept{f', not run: ' + ', '.join(left) if left else ''}", file=sys.stderr)
+        return INTERRUPTED
     return CHECK_FAILED if failed else DONE
 
 
@@ -87,12 +107,13 @@ def folder_of(suite: str, top: Path) -> Path:
     return top / ("benchmarks" if suite in NUMBERS else "validation") / "results"
 
 
-def run_suite(suite: str, folder: Path, case: str | None = None) -> bool:
-    """Runs a suite, or one case of it, and keeps what it gives; returns whether it holds. One that breaks leaves the
-    earlier result."""
-    print(f"sunder: {suite}{f', {case}' if case else ''}", file=sys.stderr, flush=True)
+def run_suite(suite: str, folder: Path, case: str | None = None, rigid: str | None = None) -> int:
+    """Runs a suite, or one case or engine of it, and keeps what it gives; returns its exit status. One that breaks leaves the
+    earlier result. One that is interrupted renews the cases that ran; benchmarks are kept all or none."""
+    only = case or rigid
+    print(f"sunder: {suite}{f', {only}' if only else ''}", file=sys.stderr, flush=True)
     if suite == FIRST_USE:
-        return keep_first_use(folder, build_dir().parent)
+        return DONE if keep_first_use(folder, build_dir().parent) else CHECK_FAILED
     made_with, start = circumstances(build_dir()), time.monotonic()
     with tempfile.TemporaryDirectory(prefix="report-sunder-") as temporary:
         numbers = Path(temporary) / f"{suite}.json"
@@ -100,21 +121,53 @@ def run_suite(suite: str, folder: Path, case: str | None = None) -> bool:
             if suite in (BENCH, BENCH_RUNS):
                 ended = bench(None, numbers) if suite == BENCH else bench_runs(numbers)
             else:
-                ended = validate(suite, case, numbers, None, known=suite not in WITHOUT_LIST)
+                ended = validate(suite, case, numbers, None, known=suite not in WITHOUT_LIST,
+                                 **({"rigid": rigid} if rigid else {}))
         except CommandError as error:
             if error.status != PEER_LOST:
                 raise  # it could not begin: a build that fails, a program that is missing
             print(f"sunder: {suite}: {error}", file=sys.stderr)
-            return False
+            return CHECK_FAILED
+        if ended == INTERRUPTED and (suite == BENCH or not numbers.is_file()):
+            return INTERRUPTED
         if not numbers.is_file():
             print(f"sunder: {suite}: ended with status {ended} and wrote no JSON", file=sys.stderr)
-            return False
+            return CHECK_FAILED
         found = json.loads(numbers.read_text())
     seconds = time.monotonic() - start
-    result = result_of(suite, found, seconds, made_with, case or WHOLE, case_names(suite) if case else ())
-    earlier = [kept for kept in read_all(folder) if kept.suite == suite] if case else []
-    write(earlier[0].with_case(result) if earlier else result, folder)
-    return ended == DONE
+    earlier = next((kept for kept in read_all(folder) if kept.suite == suite), None)
+    if "engines" in found and (rigid or ended == INTERRUPTED):
+        result = _with_engines(earlier, found["engines"], seconds, made_with)
+    elif ended == INTERRUPTED:
+        result = _with_cases(earlier, suite, found, made_with)
+    else:
+        result = result_of(suite, found, seconds, made_with, case or WHOLE, case_names(suite) if case else ())
+        if case and earlier:
+            result = earlier.with_case(result)
+    if result is not None:
+        write(result, folder)
+    return ended
+
+
+def _with_engines(result: Result | None, found: dict[str, dict[str, Any]], seconds: float,
+                  made_with: dict[str, object]) -> Result | None:
+    """Puts the rows of each engine in the place of its earlier ones; of one that was interrupted, those that it has."""
+    for name, one in found.items():
+        run = f"{name}, in part" if "left" in one else name
+        part = result_of("engines", {"engines": {name: one}}, seconds / len(found), made_with, run)
+        result = part if result is None else result.with_case(part) if "left" in one else result.with_engine(part, name)
+    return result
+
+
+def _with_cases(result: Result | None, suite: str, found: dict[str, Any], made_with: dict[str, object]) -> Result | None:
+    """Puts the rows of each case that ran in the place of its earlier ones."""
+    rows = found["cases"]
+    for case, count in found["ran"].items():
+        own, rows = rows[:count], rows[count:]
+        part = result_of(suite, {"cases": own}, sum(row["seconds"] for row in own), made_with, case,
+                         (*found["ran"], *found["left"]))
+        result = part if result is None else result.with_case(part)
+    return result
 
 
 def keep_first_use(folder: Path, builds: Path) -> bool:

@@ -7,6 +7,7 @@
 #include "coupler/core/command_line.h"
 #include "coupler/core/nearest.h"
 #include "tests/conformance/suite.h"
+#include "tests/rows_file.h"
 
 namespace {
 
@@ -90,15 +91,21 @@ int run(int argc, char** argv) {
   }
   fmt::print("{} {}: {}\n{:<38} {:>13} {:>13} {:>10} {:>9}\n", suite.info.name, suite.info.version,
              fmt::join(suite.info.capabilities, " "), "case", "computed", "reference", "error", "tolerance");
-  for (const Case& c : cases) {
-    if ((!only.empty() && !only.count(c.name)) || left_out.count(c.name)) continue;
+  std::vector<Case> chosen;
+  for (const Case& c : cases)
+    if ((only.empty() || only.count(c.name)) && !left_out.count(c.name)) chosen.push_back(c);
+  std::vector<std::string> left;
+  for (const Case& c : chosen) left.push_back(c.name);
+  for (const Case& c : chosen) {
+    if (!json.empty()) write_rows_so_far(json, suite.report.json(suite.info, left));
     run_case(suite, c);
     suite.report.check_list(c.name);
+    left.erase(left.begin());
   }
   const int failed = suite.report.count(Verdict::kFail);
   fmt::print("{} pass, {} fail, {} known to fail, {} skipped\n", suite.report.count(Verdict::kPass), failed,
              suite.report.count(Verdict::kKnown), suite.report.count(Verdict::kSkipped));
-  if (!json.empty()) suite.report.write_json(json, suite.info);
+  if (!json.empty()) write_rows(json, suite.report.json(suite.info));
   return static_cast<int>(failed ? Exit::kCheckFailed : Exit::kDone);
 }
 

@@ -111,7 +111,7 @@ int Report::count(Verdict verdict) const {
       std::count_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.verdict == verdict; }));
 }
 
-void Report::write_json(const std::string& path, const link::EngineInfo& engine) const {
+std::string Report::json(const link::EngineInfo& engine, const std::vector<std::string>& left) const {
   using Json = nlohmann::ordered_json;
   Json cases = Json::array();
   for (const Row& r : rows_)  // what is not finite becomes null
@@ -123,12 +123,10 @@ void Report::write_json(const std::string& path, const link::EngineInfo& engine)
                      {"tolerance", r.tolerance},
                      {"verdict", word(r.verdict)},
                      {"note", r.note}});
-  const Json all = {
+  Json all = {
       {"engine", engine.name}, {"version", engine.version}, {"capabilities", engine.capabilities}, {"cases", cases}};
-  std::ofstream out(path);
-  out << all.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";  // an engine's words may be no UTF-8
-  out.close();
-  if (!out) throw Error(Exit::kBadInput, "bad_file", "--json " + path + ": cannot be written");
+  if (!left.empty()) all["left"] = left;
+  return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";  // an engine's words may be no UTF-8
 }
 
 }  // namespace sunder::conformance

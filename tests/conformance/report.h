@@ -44,8 +44,8 @@ class Report {
 
   /// Number of rows with a verdict.
   int count(Verdict verdict) const;
-  /// Writes all rows. Throws Error (bad_file) where the file cannot be written.
-  void write_json(const std::string& path, const link::EngineInfo& engine) const;
+  /// All rows as JSON, with the names of the cases that are `left` where some are.
+  std::string json(const link::EngineInfo& engine, const std::vector<std::string>& left = {}) const;
 
  private:
   void add(Row row);

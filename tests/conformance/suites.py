@@ -6,7 +6,7 @@ import math
 import tempfile
 from pathlib import Path
 
-from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError
+from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, CommandError
 from sunder_tools.launch import engines
 from sunder_tools.launch.build import Executables
 from sunder_tools.places import REPOSITORY
@@ -85,10 +85,12 @@ def table(found: dict[str, dict[str, object]]) -> str:
 def run_suites(suite: Path, executables: Executables, case: str | None, chosen: str | None = None) -> tuple[
         int, dict[str, dict[str, object]]]:
     """Exit status, and what the suite wrote for each engine that could be asked. Engines under Node.js are left
-    out, with the reason, where their packages cannot be had: they come from a registry."""
+    out, with the reason, where their packages cannot be had: they come from a registry. Where the user interrupts it,
+    the last engine has what ran, and `left`, the names of its other cases."""
     status = DONE
     found: dict[str, dict[str, object]] = {}
-    for name in [chosen] if chosen else engines.names(executables):
+    names = [chosen] if chosen else engines.names(executables)
+    for k, name in enumerate(names):
         if engines.in_process(name):
             raise CommandError(f"--rigid {name}: the suite speaks over the wire; leave '{engines.IN_PROCESS}:' out", BAD_INPUT)
         try:
@@ -104,6 +106,12 @@ def run_suites(suite: Path, executables: Executables, case: str | None, chosen: 
             ended = run_program(suite_command(suite, rigid, own, case, numbers))
             if ended == BAD_INPUT:
                 return BAD_INPUT, found  # it has said why
+            if ended == INTERRUPTED:
+                if numbers.is_file():
+                    found[name] = json.loads(numbers.read_text())
+                if names[k + 1:]:
+                    print(f"not asked: {', '.join(names[k + 1:])}", flush=True)
+                return INTERRUPTED, found
             if not numbers.is_file():
                 print(f"{name}: the suite found no engine to speak to", flush=True)
                 status = CHECK_FAILED

@@ -19,7 +19,9 @@ QUICK = ("thickness_1mm", "youngs_modulus_1e02", "youngs_modulus_1e12", "poisson
 class Extremes(unittest.TestCase):
     def rows(self, rows: list[extremes.Row]) -> tuple[list[dict[str, object]], bool]:
         with contextlib.redirect_stdout(io.StringIO()):
-            return extremes.run_rows(rows, ensure_built())
+            found, good = extremes.run_rows(rows, ensure_built())
+        self.assertEqual(list(found), ["cases"])
+        return found["cases"], good  # type: ignore[return-value]
 
     def test_quick_rows_hold(self) -> None:
         rows = [row for name in QUICK for row in extremes.choose(ROWS, name, False)]

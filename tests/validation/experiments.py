@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Callable
 
-from sunder_tools.errors import CommandError
+from sunder_tools.errors import CommandError, Interrupted
 from sunder_tools.launch.build import Executables, ensure_built
 from sunder_tools.report.run_json import read_run
 
@@ -236,22 +236,28 @@ EXPERIMENTS = {"shells": (
 )}
 
 
-def run_experiments(chosen: tuple[Experiment, ...], table: Table) -> None:
-    """Runs the cases one after the other. A case that raises becomes a failed row, and a skipped one where it lacks what
-    it needs."""
+def run_experiments(chosen: tuple[Experiment, ...], table: Table) -> list[str]:
+    """Runs the cases one after the other; returns the names of those that are left where the user interrupts them. A case
+    that raises becomes a failed row, and a skipped one where it lacks what it needs. One that is interrupted leaves no
+    row."""
     if not chosen:
-        return
+        return []
     executables = ensure_built()
     if not table.headed:
         print(f"{'case':<34} {'computed':>13} {'reference':>13} {'error':>10} {'tolerance':>9} {'seconds':>8}")
-    for experiment in chosen:
-        before = len(table.lines)
+    for k, experiment in enumerate(chosen):
+        before, rows, curves = len(table.lines), len(table.rows), len(table.curves)
         try:
             experiment.run(table, executables)
+        except (Interrupted, KeyboardInterrupt):
+            del table.rows[rows:], table.curves[curves:]
+            return [one.name for one in chosen[k:]]
         except Missing as missing:
             table.skip(experiment.name, str(missing))
         except (CommandError, OSError, KeyError, ValueError, IndexError, json.JSONDecodeError) as error:
             table.add(experiment.name, math.nan, 0.0, 0.0, 0.0)
             table.lines.append(f"{experiment.name}: {error}")
+        table.ran[experiment.name] = len(table.rows) - rows
         for line in table.lines[before:]:
             print(f"  {line}", flush=True)
+    return []

@@ -1,7 +1,6 @@
 // sunder-validate: runs validation cases, prints a table, writes JSON. The exit status is 1 where a case fails.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <set>
@@ -12,6 +11,7 @@
 #include "coupler/core/command_line.h"
 #include "coupler/core/error.h"
 #include "coupler/core/nearest.h"
+#include "tests/rows_file.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -73,9 +73,11 @@ void print_list(const std::string& heading, const std::vector<Case>& cases) {
   for (const Case& c : cases) fmt::print("  {:<18} {}\n", c.name, c.what);
 }
 
-// A value that is not finite becomes null.
-void write_json(const std::string& path, const Report& report) {
-  using Json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
+
+// Rows and curves; number of rows of each case that has run, and names of those that are left. A value that is not
+// finite becomes null.
+std::string json_of(const Report& report, const Json& ran, const std::vector<std::string>& left) {
   Json cases = Json::array(), curves = Json::array();
   for (const Row& r : report.rows)
     cases.push_back({{"name", r.name},
@@ -92,10 +94,7 @@ void write_json(const std::string& path, const Report& report) {
                       {"logarithmic", c.logarithmic},
                       {"x", c.x},
                       {"y", c.y}});
-  std::ofstream out(path);
-  out << Json{{"cases", cases}, {"curves", curves}}.dump(1) << "\n";
-  out.close();
-  sunder::require(out.good(), "--json {}: cannot be written", path);
+  return Json{{"cases", cases}, {"curves", curves}, {"ran", ran}, {"left", left}}.dump(1) + "\n";
 }
 
 void run_case(Report& report, const Case& c, int threads) {
@@ -156,8 +155,16 @@ int run(int argc, char** argv) {
   fmt::print("{:<34} {:>13} {:>13} {:>10} {:>9} {:>8}\n", "case", "computed", "reference", "error", "tolerance",
              "seconds");
   Report report;
-  for (const Case& c : cases) run_case(report, c, threads);
-  if (!json.empty()) write_json(json, report);
+  Json ran = Json::object();
+  std::vector<std::string> left;
+  for (const Case& c : cases) left.push_back(c.name);
+  for (const Case& c : cases) {
+    const std::size_t before = report.rows.size();
+    run_case(report, c, threads);
+    ran[c.name] = report.rows.size() - before, left.erase(left.begin());
+    if (!json.empty() && !left.empty()) sunder::write_rows_so_far(json, json_of(report, ran, left));
+  }
+  if (!json.empty()) sunder::write_rows(json, json_of(report, ran, left));
   const bool pass = std::all_of(report.rows.begin(), report.rows.end(), [](const Row& r) { return r.pass(); });
   return static_cast<int>(pass ? sunder::Exit::kDone : sunder::Exit::kCheckFailed);
 }

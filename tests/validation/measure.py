@@ -11,8 +11,9 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
-from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError
+from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.words import did_you_mean
 
@@ -21,7 +22,7 @@ from ..conformance import suites
 from .experiments import EXPERIMENTS, Table, run_experiments
 from .extremes.suite import validate_extremes
 from .known import KNOWN, holds, judge, read_known
-from .programs import program, run_program
+from .programs import interrupted_after, program, run_program
 
 VALIDATIONS = ("shells", "seams", "cracks", "contact", "soft", "surfaces", "coupling", "engines", "extremes")
 
@@ -29,7 +30,8 @@ VALIDATIONS = ("shells", "seams", "cracks", "contact", "soft", "surfaces", "coup
 def validate(what: str, case: str | None, report: Path | None, plots: Path | None,
              pictures: Path | None = None, rigid: str | None = None, full: bool = False, known: bool = False) -> int:
     """Runs the validation cases of `what`. The exit status is 1 where a case fails; with `known`, only where a
-    failure is not known or its error is larger than the known one."""
+    failure is not known or its error is larger than the known one. Where the user interrupts it, what ran is judged and
+    written, with `ran` and `left` in the JSON, and the status is 130."""
     if what not in VALIDATIONS:
         raise CommandError(f"nothing called '{what}' to validate; {did_you_mean(what, VALIDATIONS)}", BAD_INPUT)
     if rigid and what != "engines":
@@ -59,27 +61,26 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
     gaps = read_known(KNOWN / f"{what}.txt")
     runs = EXPERIMENTS.get(what, ())
     chosen = tuple(e for e in runs if e.name == case or case is None and not e.by_name)
-    found: dict[str, list] = {"cases": [], "curves": []}
-    status = DONE
+    status, found = DONE, dict[str, Any](cases=[], curves=[], ran={}, left=[])
     if case is None or not chosen:
-        with tempfile.TemporaryDirectory() as folder:
-            numbers = Path(folder) / "validation.json"
-            command = [str(program("sunder-validate")), what, "--json", str(numbers), "--threads", str(os.cpu_count() or 1)]
-            status = run_program(command + (["--case", case] if case else []))
-            if not numbers.is_file():
-                if status == BAD_INPUT and case:
-                    print(f"and, by whole runs: {' '.join(e.name for e in runs)}", file=sys.stderr)
-                return status
-            found.update(json.loads(numbers.read_text()))
-    table = Table(headed=bool(found["cases"]), pictures=pictures)
-    run_experiments(chosen, table)
-    found["cases"] += table.rows
-    found["curves"] += table.curves
+        status = _by_program(what, case, found)
+        if status not in (DONE, CHECK_FAILED, INTERRUPTED):
+            if status == BAD_INPUT and case:
+                print(f"and, by whole runs: {' '.join(e.name for e in runs)}", file=sys.stderr)
+            return status
+    table = Table(headed=bool(found["cases"]), pictures=pictures, ran=found["ran"])
+    left = [*found["left"], *(run_experiments(chosen, table) if status != INTERRUPTED else (e.name for e in chosen))]
+    found |= {"cases": found["cases"] + table.rows, "curves": found["curves"] + table.curves, "left": left}
     if not all(holds(row) for row in table.rows):
         status = CHECK_FAILED
-    good, lines = judge(found["cases"], gaps, every=case is None)
+    good, lines = judge(found["cases"], gaps, every=case is None and not left)
     if lines:
         print("\n".join(lines), flush=True)
+    if left:
+        status = INTERRUPTED
+        print(interrupted_after(len(found["ran"]), len(left)), flush=True)
+    else:
+        del found["ran"], found["left"]
     if known and status in (DONE, CHECK_FAILED):
         status = DONE if good else CHECK_FAILED
     if pictures is not None and all(p.stat().st_mtime < started for p in pictures.iterdir()):
@@ -94,6 +95,22 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
         except OSError as error:
             raise CommandError(f"cannot write {plots}: {error}", BAD_INPUT) from None
         print(f"plots            {plots}")
+    return status
+
+
+def _by_program(what: str, case: str | None, found: dict[str, Any]) -> int:
+    """Runs the cases of sunder-validate, and adds what it writes to `found`; returns its exit status. One that is
+    interrupted has written what ran so far."""
+    with tempfile.TemporaryDirectory() as folder:
+        numbers = Path(folder) / "validation.json"
+        command = [str(program("sunder-validate")), what, "--json", str(numbers), "--threads", str(os.cpu_count() or 1)]
+        status = run_program(command + (["--case", case] if case else []))
+        if numbers.is_file():
+            found.update(json.loads(numbers.read_text()))
+        elif status == INTERRUPTED:
+            found["left"] = [case] if case else _listed(what)
+        elif status in (DONE, CHECK_FAILED):
+            raise CommandError(f"sunder-validate ended with status {status} and wrote no rows", PEER_LOST)
     return status
 
 
@@ -122,16 +139,19 @@ def _engines(case: str | None, report: Path | None, rigid: str | None) -> int:
     status, found = suites.run_suites(suite, ensure_built(), case, rigid)
     if found:
         print(suites.table(found))
+    if status == INTERRUPTED:
+        ran = sum(len(suites.by_case(result["cases"])) for result in found.values())
+        print(interrupted_after(ran, sum(len(result.get("left", ())) for result in found.values())))
     if report is not None and found:
         _write(report, json.dumps({"engines": found}, indent=1) + "\n")
     return status
 
 
 def _extremes(case: str | None, report: Path | None, full: bool) -> int:
-    cases, good = validate_extremes(case, full, ensure_built(targets=("sunder-single",)))
+    found, good = validate_extremes(case, full, ensure_built(targets=("sunder-single",)))
     if report is not None:
-        _write(report, json.dumps(_without_nan({"cases": cases}), indent=1) + "\n")
-    return DONE if good else CHECK_FAILED
+        _write(report, json.dumps(_without_nan(found), indent=1) + "\n")
+    return INTERRUPTED if "left" in found else DONE if good else CHECK_FAILED
 
 
 def _without_nan(value: object) -> object:
@@ -145,7 +165,8 @@ def _without_nan(value: object) -> object:
 
 def bench(pattern: str | None, report: Path | None, profile: Path | None = None) -> int:
     """Runs the benchmarks with `pattern` in their names, and prints their numbers beside goals and limits. The exit status
-    is 1 where a number is beyond its limit. `profile`: draws the rates of the force kernel there."""
+    is 1 where a number is beyond its limit. `profile`: draws the rates of the force kernel there. Where the user interrupts
+    it, the numbers so far are printed and written, and the status is 130."""
     command = [str(program("sunder-bench"))]
     if pattern:
         command += ["--filter", pattern]
@@ -157,13 +178,17 @@ def bench(pattern: str | None, report: Path | None, profile: Path | None = None)
                                BAD_INPUT)
         _can_plot(profile, "--profile")
     with tempfile.TemporaryDirectory() as folder:
-        numbers = report if report is not None else Path(folder) / "bench.json"
-        status = run_program([*command, "--json", str(numbers)])
-        if status != DONE:
+        kept = Path(folder) / "bench.json"
+        status = run_program([*command, "--json", str(kept)])
+        if status != DONE and not (status == INTERRUPTED and kept.is_file()):
             return status
-        found = goals.with_ratios(json.loads(numbers.read_text()))
+        found = goals.with_ratios(json.loads(kept.read_text()))
         if report is not None:
             _write(report, json.dumps(found, indent=2) + "\n")
+        if status == INTERRUPTED:
+            print("\n".join(goals.lines(found)))
+            print(f"interrupted: {len(found)} number{'' if len(found) == 1 else 's'} so far, others are left", flush=True)
+            return status
         if profile is not None:
             _draw_kernels(found, profile)
     return judged(found)

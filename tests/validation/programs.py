@@ -5,7 +5,7 @@ import os
 import subprocess
 from pathlib import Path
 
-from sunder_tools.errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
+from sunder_tools.errors import BAD_INPUT, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
 from sunder_tools.launch.build import build_dir, by_cmake, ensure_built
 
 
@@ -19,8 +19,17 @@ def program(name: str) -> Path:
 
 
 def run_program(command: list[str]) -> int:
-    """Runs a program of the build and returns its exit status. Raises CommandError where a signal ends it."""
-    status = subprocess.run(command, check=False).returncode
+    """Runs a program of the build and returns its exit status, INTERRUPTED where the user ends it. Raises CommandError where
+    another signal does."""
+    try:
+        status = subprocess.run(command, check=False).returncode
+    except (Interrupted, KeyboardInterrupt):
+        return INTERRUPTED
     if status < 0:
         raise CommandError(f"{Path(command[0]).name} {how_it_ended(status)}", PEER_LOST)
     return status
+
+
+def interrupted_after(ran: int, left: int, what: str = "case") -> str:
+    """A line for the end of a table, as 'interrupted: 2 cases ran, 13 are left'."""
+    return f"interrupted: {ran} {what}{'' if ran == 1 else 's'} ran, {left} {'is' if left == 1 else 'are'} left"

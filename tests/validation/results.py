@@ -10,6 +10,7 @@ import math
 import os
 from dataclasses import dataclass, field, replace as changed
 from pathlib import Path
+from typing import Callable
 
 from sunder_tools.errors import BAD_INPUT, CommandError
 
@@ -62,7 +63,14 @@ class Result:
     def with_case(self, other: Result) -> Result:
         """Returns these results with those of a run of one case in the place of that case's earlier ones."""
         names = {row["case"] for row in other.rows}
-        stays = [row["case"] not in names and row["run"] not in other.runs for row in self.rows]
+        return self._with(other, lambda row: row["case"] in names or row["run"] in other.runs)
+
+    def with_engine(self, other: Result, engine: str) -> Result:
+        """Returns these results with those of a run of one engine in the place of that engine's earlier ones."""
+        return self._with(other, lambda row: str(row["case"]).startswith(f"{engine}: "))
+
+    def _with(self, other: Result, replaced: Callable[[Row], bool]) -> Result:
+        stays = [not replaced(row) for row in self.rows]
         place = stays.index(False) if False in stays else len(stays)
         kept = [row for row, stay in zip(self.rows, stays) if stay]
         runs = {case: run for case, run in self.runs.items() if any(row["run"] == case for row in kept)}

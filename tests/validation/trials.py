@@ -37,6 +37,7 @@ class Table:
     curves: list[dict[str, object]] = field(default_factory=list)
     headed: bool = False  # the head of the table has been printed
     pictures: Path | None = None  # an existing folder for them
+    ran: dict[str, int] = field(default_factory=dict)  # number of rows of each case that has run
 
     def add(self, name: str, computed: float, reference: float, tolerance: float, seconds: float, note: str = "") -> None:
         """Adds a row and prints it at once. The error is relative, or absolute where the reference is zero. `note` is said

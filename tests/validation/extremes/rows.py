@@ -13,10 +13,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Iterator, Sequence
 
-from sunder_tools.errors import BAD_INPUT, DONE, PHYSICS, CommandError, how_it_ended
+from sunder_tools.errors import BAD_INPUT, DONE, PHYSICS, CommandError, Interrupted, how_it_ended
 from sunder_tools.launch.build import Executables
 from sunder_tools.places import REPOSITORY
 from sunder_tools.report.run_json import read_run
+
+from ..programs import interrupted_after
 
 SCENE_FILE = "extreme.textproto"
 MOST_LEDGER = 1e-12  # of the impulses: what each window promises
@@ -238,22 +240,32 @@ def processor_s(pid: int) -> float:
     return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK") + sum(map(processor_s, children))
 
 
-def run_rows(rows: Sequence[Row], executables: Executables) -> tuple[list[dict[str, object]], bool]:
-    """Runs them one after the other and prints the table; returns the cases of the report, and whether all is well."""
+def run_rows(rows: Sequence[Row], executables: Executables) -> tuple[dict[str, object], bool]:
+    """Runs them one after the other and prints the table; returns the `cases` of the report, and whether all is well. Where
+    the user interrupts them, the report also has the rows that `ran`, with their number of cases, and those that are
+    `left`."""
     runner = Runner(executables)
     cases: list[dict[str, object]] = []
+    ran: dict[str, int] = {}
     print("| row | expected | found | s |\n| --- | --- | --- | --- |")
     good = True
     start = time.monotonic()
     for row in rows:
-        text, new = run_row(row, runner)
+        try:
+            text, new = run_row(row, runner)
+        except (Interrupted, KeyboardInterrupt):
+            break
         cases += new
+        ran[row.name] = len(new)
         passed = all(case["pass"] for case in new)
         good = good and passed
         print(f"| `{row.name}` | {row.expected} | {text} | {new[0]['seconds']} |", flush=True)
     failed = len({str(case["name"]).split(":")[0] for case in cases if not case["pass"]})
-    print(f"\n{len(rows)} rows, {failed} failed, {time.monotonic() - start:.0f} s")
-    return cases, good
+    print(f"\n{len(ran)} rows, {failed} failed, {time.monotonic() - start:.0f} s")
+    left = [row.name for row in rows[len(ran):]]
+    if left:
+        print(interrupted_after(len(ran), len(left), "row"))
+    return {"cases": cases, **({"ran": ran, "left": left} if left else {})}, good
 
 
 def run_row(row: Row, runner: Runner) -> tuple[str, list[dict[str, object]]]:

@@ -11,6 +11,6 @@ from .shells import SHELLS
 ROWS = (*SHELLS, *BODIES, *CRACKS)
 
 
-def validate_extremes(case: str | None, full: bool, executables: Executables) -> tuple[list[dict[str, object]], bool]:
+def validate_extremes(case: str | None, full: bool, executables: Executables) -> tuple[dict[str, object], bool]:
     """The rows of `--case`, or all; see run_rows."""
     return run_rows(choose(ROWS, case, full), executables)
