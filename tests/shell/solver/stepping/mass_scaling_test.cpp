@@ -16,7 +16,7 @@ using namespace sunder::shell;
 
 namespace {
 
-double largest(const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); }
+double largest_of(const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); }
 
 /// Largest eigenvalue of M^-1 K of the free shell [1/s^2].
 double assembled(const ShellModel& m) {
@@ -86,7 +86,7 @@ TEST(ElementEigenvalues, BoundTheShell) {
         make_shell("round", cylinder(0.5, 1.0, 1.2, 8, 10), 1e-3, q, 2, 2, {}),
         make_shell("curved", rational_patch(), 1e-3, q, 2, 2, {}),
         make_shell("cubic", cubic_patch(), 1e-3, q, 2, 3, {})})
-    EXPECT_GE(largest(element_eigenvalues(m)), assembled(m) * (1.0 - 1e-5)) << m.name;
+    EXPECT_GE(largest_of(element_eigenvalues(m)), assembled(m) * (1.0 - 1e-5)) << m.name;
 }
 
 TEST(ElementEigenvalues, DoNotDependOnWhereTheElementIs) {
@@ -102,7 +102,7 @@ TEST(AddMass, GivesItToSmallElementsOnlyAndAllThatItTells) {
                             glass(), 2, 2, {});
   const std::vector<double> own = m.mass, lambda = element_eigenvalues(m);
   const double area = m.mass[m.tables.slot(0)] / m.mass_per_area(m.tables.slot(0)), mobility = m.largest_mobility;
-  const double limit = 0.4 * largest(lambda);
+  const double limit = 0.4 * largest_of(lambda);
   const double told = add_mass(m, own, lambda, limit);
   EXPECT_GT(told, 0.0);
   EXPECT_NEAR(sum_of(m.mass) - sum_of(own), told, 1e-12 * sum_of(own));
@@ -122,7 +122,7 @@ TEST(AddMass, GivesItToSmallElementsOnlyAndAllThatItTells) {
         << "the area that a control point stands for";
   }
   EXPECT_LE(m.largest_mobility, mobility);
-  EXPECT_EQ(add_mass(m, own, lambda, 1.01 * largest(lambda)), 0.0);
+  EXPECT_EQ(add_mass(m, own, lambda, 1.01 * largest_of(lambda)), 0.0);
   EXPECT_EQ(m.mass, own);
 }
 
@@ -131,8 +131,8 @@ TEST(AddMass, LeavesNoElementAboveTheLimit) {
                             glass(), 2, 2, {});
   const std::vector<double> own = m.mass, lambda = element_eigenvalues(m);
   for (const double share : {0.7, 0.4, 0.1}) {
-    add_mass(m, own, lambda, share * largest(lambda));
-    EXPECT_LE(assembled(m), share * largest(lambda) * (1.0 + 1e-6));
+    add_mass(m, own, lambda, share * largest_of(lambda));
+    EXPECT_LE(assembled(m), share * largest_of(lambda) * (1.0 + 1e-6));
   }
 }
 
@@ -147,7 +147,7 @@ TEST(AddMass, KeepsWholeMassAndLightensNothingBesideAHole) {
   }();
   ShellModel m = make_shell("holed", p, 0.01, glass(), 2, 2, {}, {}, loops);
   const std::vector<double> own = m.mass;
-  const double told = add_mass(m, own, element_eigenvalues(m), 0.5 * largest(element_eigenvalues(m)));
+  const double told = add_mass(m, own, element_eigenvalues(m), 0.5 * largest_of(element_eigenvalues(m)));
   EXPECT_GT(told, 0.0);
   EXPECT_NEAR(sum_of(m.mass) - sum_of(own), told, 1e-12 * sum_of(own));
   for (std::size_t i = 0; i < own.size(); ++i) EXPECT_GE(m.mass[i], own[i]);
@@ -165,7 +165,7 @@ TEST(AddMass, LowersTheFirstModeOfABarAsTheClosedFormSays) {
   const double c = std::sqrt(m.material.youngs_modulus / m.material.density), length = narrow_sheet::kLength;
   EXPECT_NEAR(before, c / (2.0 * length), 2e-3 * before);  // lumping: (k h)^2 / 8 at most
   const std::vector<double> lambda = element_eigenvalues(m);
-  add_mass(m, std::vector<double>(m.mass), lambda, 0.3 * largest(lambda));
+  add_mass(m, std::vector<double>(m.mass), lambda, 0.3 * largest_of(lambda));
   // the factor of the narrow elements, 1/0.3, and of wide ones
   const double narrow = 1.0 / 0.3;  // factor of the density in narrow elements
   s.motion.mass = m.mass;
@@ -190,7 +190,7 @@ TEST(AddMass, RaisesNoFrequency) {
   const ModeSet before = vibrations.lowest(12);
   EXPECT_EQ(before.rigid, 6);
   const std::vector<double> lambda = element_eigenvalues(m);
-  add_mass(m, std::vector<double>(m.mass), lambda, 0.2 * largest(lambda));
+  add_mass(m, std::vector<double>(m.mass), lambda, 0.2 * largest_of(lambda));
   s.motion.mass = m.mass;
   const ModeSet after = vibrations.lowest(12);
   ASSERT_EQ(after.modes.size(), before.modes.size());
