@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 
@@ -16,8 +17,8 @@ namespace {
 
 constexpr double kMostAdded = 0.05, kMostError = 0.02;  // bounds where the scene gives none [-]
 constexpr int kComparedModes = 6;
-constexpr int kCorrections = 4;       // of the limit of elements, after the first try
-constexpr double kTighter = 0.99;     // margin of a correction: a step of exactly the size would be missed by round-off
+constexpr int kCorrections = 12;      // of the limit of elements, after the first try
+constexpr double kTighter = 0.97;     // margin of a correction: without it the last ones would be too small
 constexpr double kNearEnough = 1.02;  // ratio of a step that passes to one that does not, where a search ends
 
 /// Shells whose elements may get mass, their stable steps and their frequencies.
@@ -32,14 +33,20 @@ class Scaler {
       if (scales(k)) scaled_.push_back(k);
     check_shells();
     for (const ShellSetup& s : setup.shells) own_.push_back(s.model.mass);
-    for (const std::size_t k : scaled_) {
-      eigenvalues_.push_back(element_eigenvalues(setup.shells[k].model));
-      largest_ = std::max(largest_, *std::max_element(eigenvalues_.back().begin(), eigenvalues_.back().end()));
+    for (std::size_t k = 0; k < setup.shells.size(); ++k) {
+      std::vector<double> of_elements = element_eigenvalues(setup.shells[k].model);
+      largest_ = std::max(largest_, *std::max_element(of_elements.begin(), of_elements.end()));
+      if (scales(k)) eigenvalues_.push_back(std::move(of_elements));
     }
+    std::vector<double> steps = stable_steps();
+    bounds_.step_before = *std::min_element(steps.begin(), steps.end());
     for (const std::vector<int>& group : groups())
-      for (const int k : group)
+      for (const int k : group) {
         for (const double mass : own_[k]) mass_ += mass;
-    bounds_.step_before = smallest_step();
+        steps[k] = std::numeric_limits<double>::infinity();
+      }
+    slowest_other_ = std::min_element(steps.begin(), steps.end()) - steps.begin();
+    step_of_others_ = steps[slowest_other_];
   }
 
   void scale() {
@@ -91,8 +98,8 @@ class Scaler {
     return all;
   }
 
-  // The smallest stable step of all shells with the masses that they have now [s], as a run and `check` find it.
-  double smallest_step() const {
+  // Stable steps of all shells with the masses that they have now [s], as a run and `check` find them.
+  std::vector<double> stable_steps() const {
     std::vector<ShellState> states;
     std::vector<ShellRef> refs;
     std::vector<double> steps;
@@ -107,6 +114,11 @@ class Scaler {
       stitching.move_masses(refs);
       steps = joined_steps(refs, stitching, steps, as_if_free, kJoinedIterations, 1);
     }
+    return steps;
+  }
+
+  double smallest_step() const {
+    const std::vector<double> steps = stable_steps();
     return *std::min_element(steps.begin(), steps.end());
   }
 
@@ -169,6 +181,9 @@ class Scaler {
   // Adds mass until the stable step is `wanted` [s]. Returns what is wrong with it; empty: nothing.
   std::string try_step(double wanted, MassScaling& result) {
     result = bounds_;
+    if (wanted > step_of_others_)
+      return fmt::format("shell '{}' gets no mass, and its stable step is {:.4g} s",
+                         setup_.shells[slowest_other_].model.name, step_of_others_);
     double limit = largest_ * std::pow(bounds_.step_before / wanted, 2);
     for (int k = 0; k <= kCorrections && result.step_after < wanted; ++k) {
       if (k > 0) limit *= kTighter * std::pow(result.step_after / wanted, 2);
@@ -182,7 +197,7 @@ class Scaler {
       result.step_after = smallest_step();
     }
     if (result.step_after < wanted)
-      return fmt::format("mass on these shells leads to {:.4g} s only, since others limit it", result.step_after);
+      return fmt::format("mass on these shells leads to {:.4g} s only", result.step_after);
     compare(result);
     if (const MassScaling::Lowered& worst = result.worst(); worst.error() > result.most_error)
       return fmt::format(
@@ -213,9 +228,11 @@ class Scaler {
   RunSetup& setup_;
   MassScaling bounds_;  // with the step without added mass
   int count_ = 0;
+  std::size_t slowest_other_ = 0;  // of shells that get no mass and are not joined to such as do
+  double step_of_others_ = 0.0;    // its stable step [s]; infinite: there is none
   std::vector<std::size_t> scaled_;
   std::vector<std::vector<double>> own_, eigenvalues_;  // masses of all shells [kg]; of elements of `scaled_` [1/s^2]
-  double largest_ = 0.0, mass_ = 0.0;
+  double largest_ = 0.0, mass_ = 0.0;  // eigenvalue of any element [1/s^2]; mass of all that may get more [kg]
   std::vector<std::unique_ptr<ShellState>> states_;
   Stitching stitching_;
   std::vector<std::unique_ptr<Vibrations>> vibrations_;  // of each group

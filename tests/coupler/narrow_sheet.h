@@ -33,7 +33,7 @@ inline std::vector<double> even_knots(double length, int elements) {
 
 /// The text of a scene with that sheet of steel, clamped at one end, and with these fields of mass_scaling; empty:
 /// none.
-inline std::string scene(const std::string& scaling, int columns = 20, int rows = 10, double narrow = 0.25,
+inline std::string scene(const std::string& scaling, int columns = 20, int rows = 10, double narrow = 0.1,
                          const std::string& more = "") {
   const std::vector<double> u = knots_x(columns, narrow), v = even_knots(kWidth, rows);
   std::string points;

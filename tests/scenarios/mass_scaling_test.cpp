@@ -54,7 +54,7 @@ TEST(MassScaling, LeavesASceneAloneThatDoesNotAskForIt) {
 }
 
 TEST(MassScaling, ARunTakesTheStepAndHasTheMassThatAreTold) {
-  RunSetup without = sheet(""), with = sheet("factor: 2 most_added: 0.5 most_error: 0.2");
+  RunSetup without = sheet(""), with = sheet("factor: 2 most_added: 1 most_error: 0.5");
   const MassScaling told = *with.mass_scaling;
   double mass[2] = {0.0, 0.0}, step[2] = {0.0, 0.0};
   int at = 0;
@@ -76,7 +76,7 @@ TEST(MassScaling, ARunTakesTheStepAndHasTheMassThatAreTold) {
 // Central differences make a period shorter by (omega dt)^2 / 24, below 1e-6 here; straight lines between substeps find
 // its passages better than that. The amplitude adds 1e-4.
 TEST(MassScaling, TheErrorThatIsToldIsThatOfThePeriodOfARun) {
-  RunSetup without = sheet(""), with = sheet("factor: 2 most_added: 0.5 most_error: 0.2");
+  RunSetup without = sheet(""), with = sheet("factor: 2 most_added: 1 most_error: 0.5");
   const double before = measured_period(without), after = measured_period(with);
   const MassScaling::Lowered& first = with.mass_scaling->modes[0];
   EXPECT_GT(first.error(), 0.005);

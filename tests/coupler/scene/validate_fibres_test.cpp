@@ -7,13 +7,16 @@ using namespace small_scene;
 
 const std::string kFibres = "fibres { compression_modulus: 1e7 shear_modulus: 1e7 friction: 0.3 }";
 
+const std::string kOver = "size_x_m: 0.3 size_y_m: 0.3 elements_x: 8 elements_y: 8 pose { position { z: 0.005 } }";
+const std::string kBeside = "size_x_m: 0.3 size_y_m: 0.5 elements_x: 8 elements_y: 16 pose { position { x: 0.4 } }";
+
 // Two panes with fibres; `second`: fields of the second one.
 std::string fibre_scene(const std::string& from = "", const std::string& to = "", const std::string& more = "",
                         const std::string& second = kFibres) {
   std::string text = kScene;
   text.replace(text.find("  plate {"), 0, "  " + kFibres + "\n");
-  text += "shells {\n  name: \"over\"\n  material: \"glass\"\n  thickness_m: 0.004\n  " + second +
-          "\n  plate { size_x_m: 0.3 size_y_m: 0.3 elements_x: 8 elements_y: 8 pose { position { z: 0.005 } } }\n}\n";
+  text += "shells {\n  name: \"over\"\n  material: \"glass\"\n  thickness_m: 0.004\n  " + second + "\n  plate { " +
+          kOver + " }\n}\n";
   text += more;
   if (from.empty()) return text;
   const std::size_t at = text.find(from);
@@ -106,8 +109,7 @@ TEST(FibreScene, MayBreakAndBeCut) {
 
 TEST(FibreScene, MayBeJoinedBySeams) {
   std::string report;
-  const std::string beside = fibre_scene("position { z: 0.005 }", "position { x: 0.4 }",
-                                         "seams {}\ncontacts { first: \"pane\" second: \"pane\" }\n");
+  const std::string beside = fibre_scene(kOver, kBeside, "seams {}\ncontacts { first: \"pane\" second: \"pane\" }\n");
   const auto setup = built_with_report(beside, report);
   EXPECT_EQ(setup.stitches.seams.size(), 1u);
   EXPECT_NE(report.find("fibres         on a grid of"), std::string::npos) << report;
@@ -122,7 +124,7 @@ TEST(FibreScene, MayBeJoinedBySeams) {
 TEST(FibreScene, StiffFibresShortenTheStepOfJoinedShells) {
   const auto step = [](const std::string& modulus) {
     std::string report;
-    built_with_report(fibre_scene("position { z: 0.005 }", "position { x: 0.4 }", "seams {}\n",
+    built_with_report(fibre_scene(kOver, kBeside, "seams {}\n",
                                   "fibres { compression_modulus: " + modulus + " shear_modulus: 1e7 friction: 0.3 }"),
                       report);
     return std::stod(report.substr(report.find("stable step") + 11));

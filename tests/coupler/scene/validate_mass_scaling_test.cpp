@@ -111,11 +111,12 @@ TEST(MassScalingText, SaysWhereOtherShellsLimitTheStep) {
       narrow_sheet::scene("factor: 2 most_added: 1 most_error: 0.9 shells: \"other\"") +
       "shells { name: \"other\" material: \"steel\" thickness_m: 0.004 plate { size_x_m: 2 size_y_m: "
       "1 elements_x: 20 elements_y: 10 pose { position { z: 1 } } } }\n";
-  expect_refusal(two, "mass_scaling.factor", {"others limit it", "no longer step passes", "leave mass_scaling out"});
+  expect_refusal(two, "mass_scaling.factor",
+                 {"shell 'sheet' gets no mass", "no longer step passes", "leave mass_scaling out"});
 }
 
 TEST(MassScalingText, CheckSaysWhatItDoes) {
-  const std::string text = report(narrow_sheet::scene("factor: 2 most_added: 0.2 most_error: 0.1 modes: 4"));
+  const std::string text = report(narrow_sheet::scene("factor: 2 most_added: 0.5 most_error: 0.2 modes: 4"));
   for (const char* said :
        {"mass scaling   adds ", "% of the mass; the stable step is ", "mode 1 of sheet: ", "mode 4 of sheet: "})
     EXPECT_NE(text.find(said), std::string::npos) << text;
