@@ -401,12 +401,9 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     }
 #pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
   for (std::size_t k = 0; k < changed.size(); ++k) renew(m, s, first, end, time, changed[k]);
-  double before = 0.0, after = 0.0, lost = 0.0, gained = 0.0;  // the latter two without rubble, which pays for no edge
-  for (const Renewal& r : changed) {
-    before += r.before, after += r.after;
-    if (r.point->kind != PointKind::kDead) lost += r.before, gained += r.after;
-  }
-  if (must_release && gained > lost) return false;
+  double before = 0.0, after = 0.0;
+  for (const Renewal& r : changed) before += r.before, after += r.after;
+  if (must_release && after > before) return false;
   relieve(m, s, changed, threads);
   key_faces(m, s, first, interlock, threads);
   if (after > before)
