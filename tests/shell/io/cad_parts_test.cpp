@@ -213,19 +213,20 @@ TEST_F(CadParts, ALaunchAimsAtTheMiddleOfAllFaces) {
 // The caps of a cylinder are trimmed. Seams between its faces are no reason.
 TEST_F(CadParts, TrimmedFacesExcludeFibres) {
   write_step(BRepPrimAPI_MakeCylinder(25, 40).Shape(), file("a.stp"));
-  const std::string cad = "path: 'a.stp' face: 0 element_m: 0.005 } ";
-  const auto refused = [&](const std::string& more, const std::string& after) {
+  const auto refused = [&](const std::string& cad, const std::string& more, const std::string& after) {
     try {
-      setup(cad + more, after);  // which closes the brace
+      setup("path: 'a.stp' element_m: 0.005 " + cad + "} " + more, after);  // which closes the brace
     } catch (const Error& e) {
       return std::string(e.what());
     }
     return std::string("accepted");
   };
-  EXPECT_SAYS(
-      refused("fibres { compression_modulus: 1e5 shear_modulus: 1e5", "contacts { first: 'pane' second: 'pane' }"),
-      "shells[0].cad.path: 'a.stp': the face is trimmed, which cannot go with fibres; leave that out");
-  EXPECT_EQ(refused("equilibrium {", ""), "accepted");
+  const std::string fibres = "fibres { compression_modulus: 1e5 shear_modulus: 1e5";
+  const std::string contacts = "contacts { first: 'pane' second: 'pane' }";
+  EXPECT_SAYS(refused("", fibres, contacts),
+              "shells[0].cad.path: 'a.stp': the face is trimmed, which cannot go with fibres; leave that out");
+  EXPECT_EQ(refused("face: 0", fibres, contacts), "accepted");  // the wall alone, of several parts
+  EXPECT_EQ(refused("face: 0", "equilibrium {", ""), "accepted");
 }
 
 // The second shell of the scene is the fourth of the run.

@@ -28,7 +28,7 @@ TEST_F(NearPartsOfAFile, NearerThanTheirThicknessIsToldWithPlaceAndRemedy) {
   const std::vector<NearParts> near = near_parts(r);
   ASSERT_EQ(near.size(), 1u);
   // The nearest Gauss point is within an element of the corner.
-  EXPECT_GE(near[0].apart, 0.004 - 1e-9);
+  EXPECT_GE(near[0].apart, 0.004 / std::sqrt(1.0 + 2 * 0.01 * 0.01) - 1e-9);  // along the tilted normal
   EXPECT_LT(near[0].apart, 0.004 + 0.01 * 0.2);
   EXPECT_NEAR(near[0].thickness, kThickness, 1e-15);
   EXPECT_LT((near[0].at.head<2>() - Vec2(0.3, 0.3)).norm(), 0.15);

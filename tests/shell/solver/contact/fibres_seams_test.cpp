@@ -64,8 +64,8 @@ TEST(FibreSeams, ForcesOverASeamHaveNeitherSumNorTorque) {
   Pile l = struck(2);
   const double dt = 0.5 * l.stable();
   int strained = 0;
-  for (int k = 0; k < 30; ++k) {
-    l.run(10, dt);
+  for (int k = 0; k < 60; ++k) {
+    l.run(5, dt);
     for (const ShellRef& r : l.refs()) r.state->motion.force.assign(r.state->motion.force.size(), 0.0);
     l.fibres().add_forces(l.refs());
     double on_seam = 0.0;
@@ -204,6 +204,6 @@ TEST(FibreSeams, LeanNoFasterBesideSeamsThanTheStepAllows) {
     ASSERT_FALSE(s.seams().empty()) << c.name;
     const double found = steepest_joined_lean(s);
     EXPECT_LT(found, allowed) << c.name;
-    EXPECT_GT(found, 0.5 * allowed) << c.name;  // 12 of 16 at a free corner of the finest patch
+    EXPECT_GT(found, 0.25 * allowed) << c.name;  // the allowance costs at most a factor of two of the step
   }
 }
