@@ -10,7 +10,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kAlike = 1e-6;  // difference of two numbers of elements that count as alike, in elements' lengths
+constexpr double kSameElement =
+    1e-6;  // difference of two numbers of elements that count as alike, in elements' lengths
 
 /// Stiffness of the section against strain of the middle surface [N/m] and against curvature [N m], plane and
 /// isotropic.
@@ -57,7 +58,7 @@ struct RestPoint {
 // Numbers that are the same for elements that differ by a rigid motion alone, in units of the element's length.
 std::vector<std::int64_t> key_of(const std::vector<RestPoint>& points, double length) {
   std::vector<std::int64_t> key;
-  const auto add = [&](double v) { key.push_back(std::llround(v / kAlike)); };
+  const auto add = [&](double v) { key.push_back(std::llround(v / kSameElement)); };
   add(std::log(length));
   for (const RestPoint& p : points) {
     add(p.area / (length * length)), add(p.factor);

@@ -75,10 +75,11 @@ TEST(Profile, IsWrittenWithTheLimitsOfTheMachine) {
   EXPECT_TRUE(force);
 }
 
-// Other programs may take the processor in any one measurement: the fastest of up to thirty of the cache decides.
-TEST(Profile, MemoryIsSlowerThanTheFirstCache) {
+// Of a megabyte the second cache holds all, and the start of a parallel region takes little of the time. Other programs
+// may take the processor in any one measurement: the fastest of up to thirty decides.
+TEST(Profile, MemoryIsSlowerThanACache) {
   const double memory = measure_bandwidth(1, 2e8);
   double cache = 0.0;
-  for (int k = 0; k < 30 && cache <= memory; ++k) cache = std::max(cache, measure_bandwidth(1, 3e4));
+  for (int k = 0; k < 30 && cache <= memory; ++k) cache = std::max(cache, measure_bandwidth(1, 1e6));
   EXPECT_GT(cache, memory);
 }
