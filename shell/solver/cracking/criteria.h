@@ -1,6 +1,6 @@
 #pragma once
 // Criteria of fracture behind one interface: each looks at a shell and proposes new edges, which enter the mechanics
-// through insertion.h only. A new criterion is a file of its own and one line in criteria.cpp.
+// through insertion.h only. A new criterion is a source and its header, and in criteria.cpp an #include and one line.
 #include <span>
 
 #include "shell/solver/cracking/crack_rules.h"
