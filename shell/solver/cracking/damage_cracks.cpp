@@ -301,6 +301,8 @@ void release_point(const ShellModel& m, ShellState& s, PointKind kind, GatheredP
   const PointMemory of_full{plastic ? &old : nullptr, s.layers.brittleness, s.layers.heals, plastic};
   const double full = full_energy(m.tables, g, s.motion.x, of_full);
   const double held = point_energy(m.tables, g, s.motion.x, memory);
+  // Layers that are inside out bear nothing. The middle surface alone would bear again.
+  if (full == 0.0) kind = PointKind::kDead;
   g.kind = kind, g.stamp = fresh_stamp();
   if (kind == PointKind::kDead) g.functions.clear();
   s.cracked.note_kind(g);

@@ -245,6 +245,18 @@ TEST(ExtractCracks, ASpentFoldWiderThanItsThicknessBendsAsBefore) {
   for (const GatheredPoint& g : s.cracked.gathered) EXPECT_EQ(g.kind, PointKind::kQuadratic);
 }
 
+// The middle surface of such a fold is sound, and alone it would bear where the layers together bore nothing.
+TEST(ExtractCracks, AFoldThatIsInsideOutDoesNotBearAgain) {
+  const ShellModel m = panel(60, 0.2);
+  ShellState s = spent_fold(m);
+  fold(m, s, 300.0, 0.01);
+  const double before = compute_forces(m, s, true, 0.0, 1);
+  release_folds(m, s);
+  EXPECT_EQ(s.book.injected, 0.0);
+  EXPECT_GT(s.rubble(), 0);
+  EXPECT_NEAR(s.book.fracture, before - compute_forces(m, s, true, 0.0, 1), 1e-9 * before);  // round-off of sums
+}
+
 TEST(ExtractCracks, APointWhoseMiddleSurfaceIsCrushedIsReleased) {
   const ShellModel m = panel(32, 0.0);
   ShellState s = damaging(m);
