@@ -233,6 +233,14 @@ class Programs(unittest.TestCase):
         self.assertNotIn("inspect.textproto", done.stderr)
 
     @unittest.skipUnless(HAS_CAD, f"{BUILD} is without OpenCASCADE")
+    def test_the_first_cad_file_compiles_only_what_reads_it(self) -> None:
+        rules = re.split(r"^build ", (BUILD / "build.ninja").read_text(), flags=re.M)
+        of_shell = [rule for rule in rules if rule.startswith("shell/CMakeFiles/sunder_shell.dir/")]
+        self.assertGreater(len(of_shell), 20)
+        concerned = {Path(rule.split(":")[0]).stem for rule in of_shell if "opencascade" in rule}
+        self.assertEqual(concerned, {"cad_crossings.cpp", "cad_face.cpp", "cad_file.cpp", "cad_names.cpp"})
+
+    @unittest.skipUnless(HAS_CAD, f"{BUILD} is without OpenCASCADE")
     def test_the_scene_of_a_sphere_passes_the_check(self) -> None:
         (self.folder / "ball.step").write_text(SPHERE)
         done = self.inspect("ball.step", "--element", "0.006", "--scene", "ball.textproto")
