@@ -14,13 +14,12 @@
 #include "shell/io/space_places.h"
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
+#include "shell/solver/cracking/crack_cost.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/stepping/stable_step.h"
 
 namespace sunder::shell {
 namespace {
-
-constexpr double kResolvedMirror = 5.0;  // spacings that the length until a division needs
 
 constexpr int kTrials = 20;  // timed substeps
 
@@ -99,9 +98,7 @@ std::string fracture_lines(const ShellSetup& shell) {
         width * h / (1.0 + h), (1.0 + h) / h, q.fracture_energy);
     return out;
   }
-  const double edge =
-      1.985 * q.strength;  // stress intensity of a through crack at an edge, over the root of its length
-  const double mirror = q.branch_drive * q.youngs_modulus * q.fracture_energy / (edge * edge);
+  const double mirror = mirror_length(q);
   out += fmt::format("division       at the strength a crack divides once it is {:.3g} m long, {:.2g} spacings{}\n",
                      mirror, mirror / m.spacing,
                      mirror < kResolvedMirror * m.spacing ? ": where it does, the grid decides" : "");

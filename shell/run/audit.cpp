@@ -31,6 +31,8 @@ double crack_resistance(const ShellModel& m, const ShellState& s) {
 CrackSurface& CrackSurface::operator+=(const CrackSurface& o) {
   resistance += o.resistance, taken += o.taken, total += o.total, subgrid += o.subgrid, dust_mass += o.dust_mass;
   if (o.subgrid > 0.0) dust_size = std::max(dust_size, o.dust_size);
+  if (o.mirror_spacings > 0.0 && (mirror_spacings == 0.0 || o.mirror_spacings < mirror_spacings))
+    mirror = o.mirror, mirror_spacings = o.mirror_spacings;
   return *this;
 }
 
@@ -39,6 +41,9 @@ CrackSurface crack_surface(const ShellModel& m, const ShellState& s) {
   const double energy = m.material.fracture_energy, strength = m.material.strength;
   if (!(energy > 0.0 && strength > 0.0)) return r;
   r.resistance = crack_resistance(m, s), r.taken = s.cracks.taken;
+  const std::vector<Tip>& tips = s.cracks.tips;
+  if (std::any_of(tips.begin(), tips.end(), [](const Tip& t) { return t.sibling >= 0; }))
+    r.mirror = mirror_length(m.material), r.mirror_spacings = r.mirror / m.spacing;
   if (m.material.yield_stress > 0.0) return r;
   r.total = std::max(r.taken, r.resistance) / energy, r.subgrid = std::max(0.0, r.taken - r.resistance) / energy;
   r.dust_size = std::min(m.largest_thickness(), 6.0 * m.material.youngs_modulus * energy / (strength * strength));
@@ -90,6 +95,11 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
             ? "what the grid cannot hold is booked as dust (cracks.subgrid_surface_m2); trust that surface and "
               "large pieces, not the number of small ones, or refine"
             : "refine"));
+  if (const double spacings = audit.surface.mirror_spacings; spacings > 0.0 && spacings < kResolvedMirror)
+    out.push_back(
+        fmt::format("cracks divided, and at the strength they may after {:.2g} m, which is {:.2g} spacings: there the "
+                    "grid decides where they divide; trust the whole surface, or take elements of {:.2g} m",
+                    audit.surface.mirror, spacings, audit.surface.mirror / kResolvedMirror));
   if (audit.rubble > kMostRubble)
     out.push_back(
         fmt::format("{:.1f} % of the Gauss points are rubble, which bears nothing: refine", 100.0 * audit.rubble));

@@ -18,6 +18,9 @@ struct CrackSurface {
   // Of those grains, 6 E G_f / strength^2, at most the thickness: the width of a band, bent to the strength, that
   // stores the fracture energy of its cracks; the largest of all shells with dust [m].
   double dust_size = 0.0;
+  // Of the shell whose grid resolves the mirror least among those with a crack that divided: mirror_length() and how
+  // many spacings that is; 0: none divided.
+  double mirror = 0.0, mirror_spacings = 0.0;
 
   CrackSurface& operator+=(const CrackSurface& o);
 };

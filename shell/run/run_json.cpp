@@ -156,6 +156,23 @@ Json joints_of(const RunParts& run) {
   return all;
 }
 
+// How many shards are larger than some multiples of an element of the coarsest shell that can crack.
+Json larger_than(const RunParts& run) {
+  double spacing = 0.0;
+  for (const ShellSetup& s : run.setup.shells)
+    if (s.can_crack()) spacing = std::max(spacing, s.model.spacing);
+  Json all = Json::array();
+  for (const double times : {10.0, 30.0, 100.0, 300.0, 1000.0}) {
+    const double area = times * spacing * spacing;
+    if (area == 0.0) break;
+    const std::vector<ShardRecord>& shards = run.pieces.shards();
+    all.push_back({{"area_m2", area},
+                   {"count", std::count_if(shards.begin(), shards.end(),
+                                           [area](const ShardRecord& r) { return r.area > area; })}});
+  }
+  return all;
+}
+
 Json shards_of(const RunParts& run) {
   const double whole = whole_area(run.setup);
   double fastest = 0.0, largest = 0.0;
@@ -168,7 +185,11 @@ Json shards_of(const RunParts& run) {
       if (p.body.id == r.body && p.body.motion.velocity.norm() > fastest)
         fastest = p.body.motion.velocity.norm(), which = r.id;
   }
-  return {{"at_least_0.1_percent", big}, {"largest_m2", largest}, {"fastest_m_per_s", fastest}, {"fastest_id", which}};
+  return {{"at_least_0.1_percent", big},
+          {"larger_than", larger_than(run)},
+          {"largest_m2", largest},
+          {"fastest_m_per_s", fastest},
+          {"fastest_id", which}};
 }
 
 // How each shell that starts in equilibrium came to it.

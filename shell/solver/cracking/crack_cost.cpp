@@ -33,4 +33,10 @@ double edge_cost(const ShellModel& m, const CrackEdge& e) {
          length_within(m.patch, e.a, e.b);
 }
 
+double mirror_length(const ShellMaterial& q) {
+  if (!(q.strength > 0.0)) return 0.0;
+  const double intensity = 1.985 * q.strength;  // over the root of the length: 1.12 sqrt(pi) times the stress
+  return q.branch_drive * q.youngs_modulus * q.fracture_energy / (intensity * intensity);
+}
+
 }  // namespace sunder::shell

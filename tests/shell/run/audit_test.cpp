@@ -171,3 +171,34 @@ TEST(Audit, CracksShouldTakeTheirFractureEnergyWhereTheyRanAndCutsNothing) {
               s.cracks.graph.new_crack(), 0.0, 1, false);
   EXPECT_NEAR(crack_resistance(m, s), 10.0 * 0.004 * (0.008 * (1.0 + 0.25) + std::hypot(0.006, 0.003)), 1e-15);
 }
+
+TEST(Audit, TheGridDecidesWhereACrackDividesBelowFiveSpacingsOfItsMirror) {
+  Audit a = sound();
+  a.surface.mirror = 3e-3, a.surface.mirror_spacings = 6.0;
+  EXPECT_TRUE(audit_warnings(a).empty());
+  a.surface.mirror_spacings = 2.0;
+  EXPECT_NE(said(a).find("after 0.003 m, which is 2 spacings"), std::string::npos);
+  EXPECT_NE(said(a).find("take elements of 0.0006 m"), std::string::npos);
+  // of several shells the one that resolves it least; one without a division says nothing
+  CrackSurface all, fine, coarse, whole;
+  fine.mirror = 1e-2, fine.mirror_spacings = 9.0, coarse.mirror = 2e-3, coarse.mirror_spacings = 4.0;
+  all += whole, all += fine, all += coarse, all += whole;
+  EXPECT_EQ(all.mirror, 2e-3);
+  EXPECT_EQ(all.mirror_spacings, 4.0);
+}
+
+TEST(Audit, OnlyAShellWhoseCrackDividedTellsItsMirror) {
+  ShellMaterial glass;
+  glass.density = 2500, glass.youngs_modulus = 70e9, glass.poisson_ratio = 0.22;
+  glass.strength = 60e6, glass.fracture_energy = 8.0, glass.branch_drive = 20.0;
+  const ShellModel m =
+      make_shell("pane", plate(0.1, 0.1, 10, 10, Vec3::Zero(), Quat::Identity()), 0.003, glass, 2, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  s.cracks.tips.emplace_back();
+  EXPECT_EQ(crack_surface(m, s).mirror_spacings, 0.0);
+  s.cracks.tips.back().sibling = 0;
+  // K = 1.12 sqrt(pi r) strength reaches sqrt(branch_drive E G_f)
+  const double r = 20.0 * 70e9 * 8.0 / (1.12 * 1.12 * M_PI * 60e6 * 60e6);
+  EXPECT_NEAR(crack_surface(m, s).mirror, r, 1e-3 * r);
+  EXPECT_NEAR(crack_surface(m, s).mirror_spacings, r / m.spacing, 1e-3 * r / m.spacing);
+}
