@@ -16,6 +16,7 @@ constexpr double kUncertain = 0.1, kFrozen = 0.1;      // shares of the largest 
 constexpr double kAdded = 0.01;                        // share of the fracture energy
 constexpr double kLeastTaken = 0.7, kMostTaken = 1.5;  // share of the resistance of cracks
 constexpr double kMostRubble = 0.01;                   // share of the Gauss points
+constexpr double kFineEnough = 1.0;                    // spacings of a mirror below which no finer grid is affordable
 constexpr double kWindowGap = 0.05;                    // share of the energy of what deforms
 constexpr double kNoted = 1e-3;  // share of the largest energy below which an amount is not reported
 
@@ -96,10 +97,13 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
               "large pieces, not the number of small ones, or refine"
             : "refine"));
   if (const double spacings = audit.surface.mirror_spacings; spacings > 0.0 && spacings < kResolvedMirror)
-    out.push_back(
-        fmt::format("cracks divided, and at the strength they may after {:.2g} m, which is {:.2g} spacings: there the "
-                    "grid decides where they divide; trust the whole surface, or take elements of {:.2g} m",
-                    audit.surface.mirror, spacings, audit.surface.mirror / kResolvedMirror));
+    out.push_back(fmt::format(
+        "cracks divided, and at the strength they may after {:.2g} m, which is {:.2g} spacings: there the grid decides "
+        "where they divide; trust the whole surface{}",
+        audit.surface.mirror, spacings,
+        spacings < kFineEnough
+            ? ""
+            : fmt::format(", or take elements of {:.2g} m", audit.surface.mirror / kResolvedMirror)));
   if (audit.rubble > kMostRubble)
     out.push_back(
         fmt::format("{:.1f} % of the Gauss points are rubble, which bears nothing: refine", 100.0 * audit.rubble));

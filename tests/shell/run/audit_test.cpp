@@ -179,6 +179,9 @@ TEST(Audit, TheGridDecidesWhereACrackDividesBelowFiveSpacingsOfItsMirror) {
   a.surface.mirror_spacings = 2.0;
   EXPECT_NE(said(a).find("after 0.003 m, which is 2 spacings"), std::string::npos);
   EXPECT_NE(said(a).find("take elements of 0.0006 m"), std::string::npos);
+  a.surface.mirror_spacings = 0.5;  // ten times as many elements along each side
+  EXPECT_NE(said(a).find("trust the whole surface"), std::string::npos);
+  EXPECT_EQ(said(a).find("take elements"), std::string::npos);
   // of several shells the one that resolves it least; one without a division says nothing
   CrackSurface all, fine, coarse, whole;
   fine.mirror = 1e-2, fine.mirror_spacings = 9.0, coarse.mirror = 2e-3, coarse.mirror_spacings = 4.0;
