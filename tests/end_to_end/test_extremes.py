@@ -13,7 +13,8 @@ from tests.validation.extremes.shells import SHELLS
 from tests.validation.extremes.suite import ROWS
 
 QUICK = ("thickness_1mm", "youngs_modulus_1e02", "youngs_modulus_1e12", "poisson_minus_0.5", "poisson_0.4999", "span_1um",
-         "span_1km", "elements_1", "at_rest", "speed_1km_per_s", "safety_1.0", "refused", "mass", "rebound", "fragments_1")
+         "span_1km", "elements_1", "at_rest", "speed_1km_per_s", "safety_1.0", "refused", "mass", "rebound", "fragments_1",
+         "cracks_at_1um_without_engine")
 
 
 class Extremes(unittest.TestCase):
