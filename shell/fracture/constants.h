@@ -84,6 +84,15 @@ constexpr double kRefusedPending = 0.25;
 /// g_b [G_f]: energy release above which a tip divides, of a material that gives no `branch_drive`.
 /// derived: two arms need twice the fracture energy, a necessary condition
 constexpr double kBranchDrive = 2.0;
+/// Stress intensity of a crack as it divides [stress times the root of its length].
+/// published: half-penny mirrors of glass, from which its `branch_drive` is; through cracks of `mirror` divide near it
+constexpr double kMirrorIntensity = 1.26;
+/// [h]: a shorter mirror (mirror_length) is not resolved: the grid decides where cracks divide.
+/// numerical: in `mirror` the constant holds within its bound from there on
+constexpr double kResolvedMirror = 5.0;
+/// [h]: of a mirror below it no finer grid is advised.
+/// numerical: five times as many elements along each side is the most that is affordable
+constexpr double kRefinableMirror = 1.0;
 /// [rad]: angle of each arm to the direction of the tip that divides.
 /// calibrated on struck_pane: by eye, no source
 constexpr double kBranchAngle = 28.0 * (std::numbers::pi / 180.0);

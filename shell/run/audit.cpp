@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "shell/fracture/constants.h"
 #include "shell/solver/cracking/crack_cost.h"
 
 namespace sunder::shell {
@@ -16,7 +17,6 @@ constexpr double kUncertain = 0.1, kFrozen = 0.1;      // shares of the largest 
 constexpr double kAdded = 0.01;                        // share of the fracture energy
 constexpr double kLeastTaken = 0.7, kMostTaken = 1.5;  // share of the resistance of cracks
 constexpr double kMostRubble = 0.01;                   // share of the Gauss points
-constexpr double kFineEnough = 1.0;                    // spacings of a mirror below which no finer grid is affordable
 constexpr double kWindowGap = 0.05;                    // share of the energy of what deforms
 constexpr double kNoted = 1e-3;  // share of the largest energy below which an amount is not reported
 
@@ -42,14 +42,18 @@ CrackSurface crack_surface(const ShellModel& m, const ShellState& s) {
   const double energy = m.material.fracture_energy, strength = m.material.strength;
   if (!(energy > 0.0 && strength > 0.0)) return r;
   r.resistance = crack_resistance(m, s), r.taken = s.cracks.taken;
-  const std::vector<Tip>& tips = s.cracks.tips;
-  if (std::any_of(tips.begin(), tips.end(), [](const Tip& t) { return t.sibling >= 0; }))
-    r.mirror = mirror_length(m.material), r.mirror_spacings = r.mirror / m.spacing;
   if (m.material.yield_stress > 0.0) return r;
   r.total = std::max(r.taken, r.resistance) / energy, r.subgrid = std::max(0.0, r.taken - r.resistance) / energy;
   r.dust_size = std::min(m.largest_thickness(), 6.0 * m.material.youngs_modulus * energy / (strength * strength));
   r.dust_mass = m.material.density * r.subgrid * r.dust_size / 3.0;  // cubes of that size share 3 size^2 each
   return r;
+}
+
+void note_mirror(const ShellModel& m, const ShellState& s, double branch_ratio, CrackSurface& r) {
+  const std::vector<Tip>& tips = s.cracks.tips;
+  if (m.material.yield_stress > 0.0) return;
+  if (std::none_of(tips.begin(), tips.end(), [](const Tip& t) { return t.sibling >= 0; })) return;
+  r.mirror = mirror_length(m.material, branch_ratio * branch_ratio), r.mirror_spacings = r.mirror / m.spacing;
 }
 
 std::vector<std::string> audit_warnings(const Audit& audit) {
@@ -98,12 +102,12 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
             : "refine"));
   if (const double spacings = audit.surface.mirror_spacings; spacings > 0.0 && spacings < kResolvedMirror)
     out.push_back(fmt::format(
-        "cracks divided, and at the strength they may after {:.2g} m, which is {:.2g} spacings: there the grid decides "
-        "where they divide; trust the whole surface{}",
+        "cracks divided. At the strength a crack divides after {:.2g} m, {:.2g} spacings, so the grid decides where: "
+        "trust the whole surface of the cracks, not the number of pieces{}",
         audit.surface.mirror, spacings,
-        spacings < kFineEnough
+        spacings < kRefinableMirror  // a little less, since it is rounded
             ? ""
-            : fmt::format(", or take elements of {:.2g} m", audit.surface.mirror / kResolvedMirror)));
+            : fmt::format(", or take elements of {:.2g} m", 0.95 * audit.surface.mirror / kResolvedMirror)));
   if (audit.rubble > kMostRubble)
     out.push_back(
         fmt::format("{:.1f} % of the Gauss points are rubble, which bears nothing: refine", 100.0 * audit.rubble));

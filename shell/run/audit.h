@@ -52,6 +52,10 @@ double crack_resistance(const ShellModel& model, const ShellState& state);
 /// Of one shell; none of one that yields, whose surplus goes elsewhere.
 CrackSurface crack_surface(const ShellModel& model, const ShellState& state);
 
+/// Notes the mirror in `surface` if a crack of the shell has divided. Tips divide above `branch_ratio`, the root of the
+/// energy release over G_f. Where a metal yields there is no mirror.
+void note_mirror(const ShellModel& model, const ShellState& state, double branch_ratio, CrackSurface& surface);
+
 /// Returns warnings about the energies of a run, one sentence each; empty where there are none.
 std::vector<std::string> audit_warnings(const Audit& audit);
 

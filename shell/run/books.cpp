@@ -45,8 +45,12 @@ double Books::crack_length(Simulation& simulation) const {
 CrackSurface Books::crack_surface(Simulation& simulation) const {
   if (!simulation.state.solving()) return frozen_surface;
   CrackSurface all;
-  for (const ShellPart& part : simulation.state.shells)
-    if (part.state) all += shell::crack_surface(part.model(), *part.state);
+  for (const ShellPart& part : simulation.state.shells) {
+    if (!part.state) continue;
+    CrackSurface one = shell::crack_surface(part.model(), *part.state);
+    note_mirror(part.model(), *part.state, part.setup->fracture.tips.branch_ratio, one);
+    all += one;
+  }
   return all;
 }
 

@@ -160,7 +160,7 @@ Json joints_of(const RunParts& run) {
 Json larger_than(const RunParts& run) {
   double spacing = 0.0;
   for (const ShellSetup& s : run.setup.shells)
-    if (s.can_crack()) spacing = std::max(spacing, s.model.spacing);
+    if (can_crack(s.fracture)) spacing = std::max(spacing, s.model.spacing);
   Json all = Json::array();
   for (const double times : {10.0, 30.0, 100.0, 300.0, 1000.0}) {
     const double area = times * spacing * spacing;

@@ -116,6 +116,11 @@ class Ids(unittest.TestCase):
     def test_shards_are_followed_by_their_id_over_all_frames(self) -> None:
         results = sunder.Results(self.folder)
         rows, frames, tracks = shards(self.folder), results.frames, sunder.tracks(results)
+        told = json.loads((self.folder / "run.json").read_text())["shards"]["larger_than"]
+        self.assertEqual(len(told), 5)
+        for larger in told:
+            self.assertEqual(larger["count"], sum(row["area [m^2]"] > larger["area_m2"] for row in rows.values()))
+        self.assertGreater(told[0]["count"], 0)
         for frame in frames:
             pieces, bodies = ids_of(frame.read(SHELL), "fragment"), ids_of(frame.read(BODIES), "body")
             self.assertEqual(pieces & bodies, set(), f"{frame.time_s} s: a number for two things")

@@ -1,5 +1,7 @@
 #include "shell/solver/cracking/crack_cost.h"
 
+#include "shell/fracture/constants.h"
+
 #include <algorithm>
 
 namespace sunder::shell {
@@ -33,10 +35,10 @@ double edge_cost(const ShellModel& m, const CrackEdge& e) {
          length_within(m.patch, e.a, e.b);
 }
 
-double mirror_length(const ShellMaterial& q) {
+double mirror_length(const ShellMaterial& q, double drive) {
   if (!(q.strength > 0.0)) return 0.0;
-  const double intensity = 1.985 * q.strength;  // over the root of the length: 1.12 sqrt(pi) times the stress
-  return q.branch_drive * q.youngs_modulus * q.fracture_energy / (intensity * intensity);
+  const double intensity = kMirrorIntensity * q.strength;  // over the root of the length
+  return drive * q.youngs_modulus * q.fracture_energy / (intensity * intensity);
 }
 
 }  // namespace sunder::shell

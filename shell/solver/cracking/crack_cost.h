@@ -13,12 +13,8 @@ double fracture_energy_at(const ShellModel& model, const Vec2& p);
 /// it ran (CrackEdge::resistance).
 double edge_cost(const ShellModel& model, const CrackEdge& edge);
 
-/// numerical: spacings that the length until a division needs
-constexpr double kResolvedMirror = 5.0;
-
-/// Length [m] at which a crack from an edge divides under the strength of its material, the mirror of a fracture face:
-/// branch_drive E G_f / (1.985 strength)^2, with the stress intensity of a through crack at an edge. 0 without
-/// strength.
-double mirror_length(const ShellMaterial& material);
+/// Length [m] at which a crack divides under the strength of its material, the mirror of a fracture face: drive E G_f /
+/// (kMirrorIntensity strength)^2. `drive` is the energy release [G_f] above which a tip divides. 0 without strength.
+double mirror_length(const ShellMaterial& material, double drive);
 
 }  // namespace sunder::shell

@@ -261,6 +261,7 @@ void tear(const ShellModel& m, ShellState& s, const DamageRules& r) {
 struct KeptArea {
   double middle = 0.0;  // of the middle surface
   double least = 0.0;   // the least of middle surface and layers, by the true curvature
+  bool bears = true;    // as the laws of the material see it
 };
 
 KeptArea kept_area(const ShellModel& m, const ShellState& s, const GatheredPoint& g) {
@@ -273,7 +274,7 @@ KeptArea kept_area(const ShellModel& m, const ShellState& s, const GatheredPoint
   const Forms<double> f = surface_forms(gather(m.tables, g, s.motion.x));
   const OnePlace place{m.tables, g.block, g.lane};
   Sym2<double> middle = g.metric.a;
-  KeptArea out{0.0, std::numeric_limits<double>::infinity()};
+  KeptArea out{0.0, std::numeric_limits<double>::infinity(), bears(f, g.metric, layers)};
   for (int l = 0; l < count; ++l) {
     Sym2<double> a = reference_at(g.metric, layers, l), flow{};
     if (s.yields()) {
@@ -301,8 +302,6 @@ void release_point(const ShellModel& m, ShellState& s, PointKind kind, GatheredP
   const PointMemory of_full{plastic ? &old : nullptr, s.layers.brittleness, s.layers.heals, plastic};
   const double full = full_energy(m.tables, g, s.motion.x, of_full);
   const double held = point_energy(m.tables, g, s.motion.x, memory);
-  // Layers that are inside out bear nothing. The middle surface alone would bear again.
-  if (full == 0.0) kind = PointKind::kDead;
   g.kind = kind, g.stamp = fresh_stamp();
   if (kind == PointKind::kDead) g.functions.clear();
   s.cracked.note_kind(g);
@@ -374,7 +373,8 @@ void release_folds(const ShellModel& m, ShellState& s) {
     const bool crushed = kept.middle < kFoldedArea;
     if (!crushed && (g.kind == PointKind::kLinear || kept.least >= kFoldedArea)) continue;
     gather_point(m, s, g.block, g.lane);
-    release_point(m, s, crushed ? PointKind::kDead : PointKind::kLinear, g, d);
+    // a fold that bears nothing, as it is inside out, would bear again by its middle surface alone
+    release_point(m, s, crushed || !kept.bears ? PointKind::kDead : PointKind::kLinear, g, d);
   }
 }
 

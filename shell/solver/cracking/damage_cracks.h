@@ -13,9 +13,9 @@ Criterion cracks_from_damage();
 void watch_stress(const ShellModel& model, ShellState& state);
 
 /// A point that was fully damaged once bears no bending any more where it is folded about as sharply as it is thick. It
-/// bears nothing where its middle surface itself is crushed. What it has lost does not come back, and its energy is
-/// booked.
-/// A compressed layer heals, so the law alone would let such a fold bear fully, and grow stiffer the sharper it is.
+/// bears nothing where its middle surface itself is crushed, or where it bore nothing before, being inside out. What it
+/// has lost does not come back, and its energy is booked. A compressed layer heals, so the law alone would let such a
+/// fold bear fully, and grow stiffer the sharper it is.
 void release_folds(const ShellModel& model, ShellState& state);
 
 /// Inserts the middle lines of what was fully damaged since the last call. Ends go on, branches join their stems, and
