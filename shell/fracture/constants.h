@@ -84,7 +84,7 @@ constexpr double kRefusedPending = 0.25;
 /// g_b [G_f]: energy release above which a tip divides, of a material that gives no `branch_drive`.
 /// derived: two arms need twice the fracture energy, a necessary condition
 constexpr double kBranchDrive = 2.0;
-/// Stress intensity of a crack as it divides [stress times the root of its length].
+/// [stress times the root of its length]: stress intensity of a crack as it divides.
 /// published: half-penny mirrors of glass, from which its `branch_drive` is; through cracks of `mirror` divide near it
 constexpr double kMirrorIntensity = 1.26;
 /// [h]: a shorter mirror (mirror_length) is not resolved: the grid decides where cracks divide.

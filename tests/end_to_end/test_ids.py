@@ -163,9 +163,10 @@ class Ids(unittest.TestCase):
         for i, row in rows.items():
             node, track = f"pane_piece_{i}", tracks[i]
             for time, centre in zip(track.time, track.centre):  # over all keyframes, in the shell and after it
-                np.testing.assert_allclose(film.centre(node, float(times[seen.index(time)])), centre, atol=RELATIVE * PANE, err_msg=f"shard {i}, {time} s")
+                np.testing.assert_allclose(film.centre(node, float(times[seen.index(time)])), centre, rtol=0.0,
+                                           atol=RELATIVE * PANE, err_msg=f"shard {i}, {time} s")
             end = np.array([row[f"{axis} [m]"] for axis in "xyz"])
-            np.testing.assert_allclose(film.centre(node, float(times[-1])), end, atol=RELATIVE * PANE, err_msg=f"shard {i}")
+            np.testing.assert_allclose(film.centre(node, float(times[-1])), end, rtol=0.0, atol=RELATIVE * PANE, err_msg=f"shard {i}")
             self.assertTrue(film.seen(node, float(times[-1])))
             if track.time[0] > 0.0:
                 self.assertEqual(film.seen(node, float(times[seen.index(track.time[0])]) - 1e-4), {}, f"shard {i} is seen before it exists")
@@ -185,9 +186,9 @@ class Ids(unittest.TestCase):
         self.assertGreaterEqual(len(rows), FOLLOWED)
         for i, row in rows.items():
             for time, centre in zip(tracks[i].time, tracks[i].centre):
-                np.testing.assert_allclose(frames[times.index(time)][f"pane_piece_{i}"], centre, atol=RELATIVE * PANE)
+                np.testing.assert_allclose(frames[times.index(time)][f"pane_piece_{i}"], centre, rtol=0.0, atol=RELATIVE * PANE)
             end = np.array([row[f"{axis} [m]"] for axis in "xyz"])
-            np.testing.assert_allclose(frames[-1][f"pane_piece_{i}"], end, atol=RELATIVE * PANE, err_msg=f"shard {i}")
+            np.testing.assert_allclose(frames[-1][f"pane_piece_{i}"], end, rtol=0.0, atol=RELATIVE * PANE, err_msg=f"shard {i}")
 
     def test_sewn_plates_are_one_piece_and_the_larger_part_keeps_its_id(self) -> None:
         with tempfile.TemporaryDirectory() as name:

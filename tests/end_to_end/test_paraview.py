@@ -76,6 +76,7 @@ class ParaView(unittest.TestCase):
             self.assertLess(abs(area / told - 1.0), 2e-3, time)  # as in test_fields
         surface = json.loads((self.folder / "out" / "run.json").read_text())["surface"]
         self.assertGreater(surface["torn_m2"], 5e-3 * area, "nothing is torn")
+        self.assertLess(abs(found[-1][1] / (surface["now_m2"] + surface["torn_m2"]) - 1.0), 2e-3)
 
     def test_the_moment_at_the_crown_is_that_of_sanders_theory(self) -> None:
         """The theory is solved, and printed, by the case scordelis_lo_moment of `validate shells`."""

@@ -1,8 +1,8 @@
 #include "shell/solver/cracking/crack_cost.h"
 
-#include "shell/fracture/constants.h"
-
 #include <algorithm>
+
+#include "shell/fracture/constants.h"
 
 namespace sunder::shell {
 namespace {
