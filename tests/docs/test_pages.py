@@ -120,6 +120,17 @@ class Pages(unittest.TestCase):
         self.assertLessEqual(len(text), MOST_BYTES)
         self.assertLessEqual(text.count(b"\n"), MOST_LINES)
 
+    def test_the_first_page_is_in_the_order_of_a_strangers_questions(self) -> None:
+        text = (TOP / "README.md").read_text()
+        self.assertEqual(re.findall(r"^## (.*)$", text, re.MULTILINE),
+                         ["Two commands", "A complete scene", "Where to read on", "A coupling window", "Status", "Limits", "The tree",
+                          "Developing", "Licence"])
+        self.assertIn("![", text.split("## Two commands")[0], "a picture comes first")
+        limits = text.split("## Limits")[1].split("## ")[0]
+        self.assertEqual(len(re.findall(r"^\d+\. ", limits, re.MULTILINE)), 6)
+        window = text.split("## A coupling window")[1].split("## ")[0]
+        self.assertEqual(len(re.findall(r"^\d+\. ", window, re.MULTILINE)), 8)
+
     def test_the_page_of_the_solver_is_short(self) -> None:
         self.assertLessEqual((TOP / "shell" / "README.md").read_bytes().count(b"\n"), MOST_LINES_OF_SHELL)
 
