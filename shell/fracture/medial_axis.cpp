@@ -1,11 +1,11 @@
 #include "shell/fracture/medial_axis.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 
+#include "coupler/core/disjoint_sets.h"
 #include "shell/fracture/cdt.h"
 #include "shell/fracture/constants.h"
 
@@ -58,12 +58,8 @@ MedialAxis medial_axis(const std::vector<BoundarySample>& seeds, const std::func
   int faces = 0;
   for (auto f = d.all_faces_begin(); f != d.all_faces_end(); ++f) f->info() = faces++;
   // four seeds on a circle, as a lattice has many, make two faces with one Voronoi vertex
-  std::vector<int> root(faces), number(faces, -1);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int f) {
-    while (root[f] != f) f = root[f] = root[root[f]];
-    return f;
-  };
+  DisjointSets same(faces);
+  std::vector<int> number(faces, -1);
   // Each edge between two finite faces, from the one of lower number. CGAL's own iterator takes the one that lies lower
   // in memory: what came out would differ from run to run.
   const auto each_edge = [&](auto&& f) {
@@ -76,10 +72,10 @@ MedialAxis medial_axis(const std::vector<BoundarySample>& seeds, const std::func
   each_edge([&](Delaunay::Face_handle face, int k, Delaunay::Face_handle other) {
     const double length2 = d.segment(face, k).squared_length();
     if (CGAL::squared_distance(d.circumcenter(face), d.circumcenter(other)) < kSamePlace * kSamePlace * length2)
-      root[find(face->info())] = find(other->info());
+      same.join(face->info(), other->info());
   });
   const auto vertex = [&](Delaunay::Face_handle f) {
-    int& v = number[find(f->info())];
+    int& v = number[same.root(f->info())];
     if (v < 0) {
       const Point c = d.circumcenter(f);
       v = static_cast<int>(axis.vertices.size());

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
+#include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
 #include "shell/geometry/parameter_place.h"
 
@@ -44,18 +44,12 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
   std::array<std::vector<int>, 3> holder, mover;  // part that holds or drives a control point; -1: none
   // number of the motion that moves a control point, the last one named; -1: none
   std::array<std::vector<int>, 3> driver;
-  std::array<std::vector<int>, 3> root;
+  std::array<DisjointSets, 3> tied{DisjointSets(count), DisjointSets(count), DisjointSets(count)};
   for (int d = 0; d < 3; ++d) {
     held[d].assign(count, 0);
     holder[d].assign(count, -1), mover[d].assign(count, -1);
     driver[d].assign(count, -1);
-    root[d].resize(count);
-    std::iota(root[d].begin(), root[d].end(), 0);
   }
-  const auto find = [&](int d, int i) {
-    while (root[d][i] != i) i = root[d][i] = root[d][root[d][i]];
-    return i;
-  };
   Constraints c;
   const auto hold = [&](int d, const Named& n) {
     held[d][n.point] = 1;
@@ -83,7 +77,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
           hold(s.symmetry, {first[k], part});
           c.anchors.push_back(slot(first[k]));
           for (int d = 0; d < 3; ++d)
-            if (d != s.symmetry) root[d][find(d, second[k])] = find(d, first[k]);
+            if (d != s.symmetry) tied[d].join(first[k], second[k]);
         }
         continue;
       }
@@ -129,7 +123,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
   }
   for (int d = 0; d < 3; ++d) {
     std::map<int, std::vector<int>> groups;
-    for (int i = 0; i < count; ++i) groups[find(d, i)].push_back(i);
+    for (int i = 0; i < count; ++i) groups[tied[d].root(i)].push_back(i);
     for (const auto& [first, members] : groups) {  // one held member holds the group; one driven member drives it
       bool any = false;
       int by = -1, part_held = -1, part_moved = -1;
