@@ -27,7 +27,7 @@ for time in reader.TimestepValues:
     found.append([time, area.GetValue(0)])
 print("FOUND", json.dumps(found))
 """
-# Prints the moment of the cell that is nearest to a place, at the first time.
+# Prints the moment of the cell that is nearest to a place, and the stress across at both faces, at the first time.
 MOMENT = """
 import json, sys
 from paraview import servermanager, simple
@@ -40,10 +40,13 @@ while block.IsA("vtkMultiBlockDataSet"):
 place = [float(word) for word in sys.argv[2:5]]
 cell = min(range(block.GetNumberOfCells()), key=lambda k: sum(
     (0.5 * (block.GetCell(k).GetBounds()[2 * d] + block.GetCell(k).GetBounds()[2 * d + 1]) - place[d]) ** 2 for d in range(3)))
-moment = block.GetCellData().GetArray("bending_moment_N")
-print("FOUND", json.dumps([moment.GetComponentName(k) for k in range(6)] + list(moment.GetTuple(cell))))
+of = block.GetCellData()
+moment = of.GetArray("bending_moment_N")
+print("FOUND", json.dumps([moment.GetComponentName(k) for k in range(6)] + list(moment.GetTuple(cell))
+                          + [of.GetArray(f"stress_{face}_Pa").GetTuple(cell)[0] for face in ("outside", "inside")]))
 """
 SHARE = 1e-3  # of the weight, for linear theory
+THICKNESS = 0.25  # [m], of the roof
 
 
 @unittest.skipUnless(PVPYTHON, WHY)
@@ -84,7 +87,7 @@ class ParaView(unittest.TestCase):
                               check=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE).stdout
         crown = re.search(r"roof at  0 degrees: moment +(\S+) and +(\S+) N m/m", told)
         assert crown is not None, told
-        scene = (TOP / "scenes" / "roof.textproto").read_text().replace("output {", "output {\n  fields: [BENDING_MOMENT]")
+        scene = (TOP / "scenes" / "roof.textproto").read_text().replace("output {", "output {\n  fields: [BENDING_MOMENT, STRESS]")
         # its weight there is a tenth of the roof's 90 N/m^2, of 9 m/s^2
         run(self.folder, scene, f"gravity.z={-90.0 * SHARE}", "end_time_s=5e-3", *(
             f"shells[roof].cylinder.{key}" for key in ("elements_u=24", "elements_v=24", "degree=3")))
@@ -93,6 +96,9 @@ class ParaView(unittest.TestCase):
         # 0.5 % between the theories, as in tests/validation; a cell's centre is a third of an element from the crown, where
         # the moment is flat
         self.assertLess(abs(answer[6] / SHARE / float(crown[2]) - 1.0), 0.01)
+        # that moment bends a section of this thickness; stress is linear over it
+        outside, inside = answer[12:]
+        self.assertLess(abs((outside - inside) * THICKNESS ** 2 / 12.0 / SHARE / float(crown[2]) - 1.0), 0.01)
 
 
 if __name__ == "__main__":
