@@ -1,20 +1,27 @@
 """`sunder bench --runs`: what whole runs of shipped scenes take, and which share of it goes where."""
 from __future__ import annotations
 
+import contextlib
+import io
 import math
+import os
 import resource
+from pathlib import Path
 from typing import Any
 
 from sunder_tools.launch.build import Executables
 from sunder_tools.launch.run import read_usage
 from sunder_tools.pictures.contact_sheet import write_contact_sheet
 from sunder_tools.pictures.crack_lines import last_graph
+from sunder_tools.pictures.frames import list_frames
+from sunder_tools.pictures.render import Shot, render
 from sunder_tools.report.run_json import read_run
 
 from ..validation.trials import kept_run
 
 CRACKING = ("glass", "pressed_plate")
 CAR = "impactor_small"
+FILM_PICTURES = 81
 
 
 def measure_runs(executables: Executables) -> dict[str, float]:
@@ -31,7 +38,8 @@ def measure_runs(executables: Executables) -> dict[str, float]:
                 write_contact_sheet(folder)
                 sheet = _processor_s() - before
                 numbers |= {"glass_processor_s": read_usage(folder).get("processor_s", math.nan) + sheet,
-                            "glass_contact_sheet_s": sheet}
+                            "glass_contact_sheet_s": sheet,
+                            "glass_film_s_a_picture": film_s_a_picture(folder)}
             if name == CAR:
                 numbers[f"{name}_shell_contact_share"] = run["time"]["stage_s"].get("shell_contact", 0.0) / run["time"]["wall_s"]
     return numbers
@@ -43,6 +51,15 @@ def of_cracks(name: str, run: dict[str, Any], edges: int) -> dict[str, float]:
     grew = run["time"]["cracks_grew"]
     return {f"{name}_fracture_share": grew["crack_update_s"] / grew["wall_s"] if grew["wall_s"] > 0.0 else math.nan,
             f"{name}_ms_per_edge": 1e3 * grew["crack_update_s"] / edges if edges > 0 else math.nan}
+
+
+def film_s_a_picture(folder: Path) -> float:
+    """Processor time for each picture of a film of the run's first frames, at 720p and with its encoding [s]."""
+    count = min(FILM_PICTURES, len(list_frames(folder)))
+    before = _processor_s()
+    with contextlib.redirect_stdout(io.StringIO()):
+        render(folder, folder / "film.mp4", True, False, f"0-{count - 1}", Shot(), None, os.cpu_count() or 1)
+    return (_processor_s() - before) / count
 
 
 def _processor_s() -> float:

@@ -37,13 +37,22 @@ class Runs(unittest.TestCase):
         asked: list[str] = []
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()), \
                 mock.patch.multiple(runs, kept_run=kept, read_run=lambda path: run_json(), last_graph=lambda path: [0] * 400,
-                                    write_contact_sheet=lambda path: path, read_usage=lambda path: {"processor_s": 90.0}):
+                                    write_contact_sheet=lambda path: path, film_s_a_picture=lambda path: 0.3, read_usage=lambda path: {"processor_s": 90.0}):
             numbers = runs.measure_runs(mock.sentinel.executables)
         self.assertEqual(asked, ["glass.textproto", "pressed_plate.textproto", "impactor_small.textproto"])
         self.assertEqual(set(numbers), set(goals.RUNS_GOALS))
         self.assertTrue(all(math.isfinite(value) for value in numbers.values()))
         self.assertAlmostEqual(numbers["impactor_small_shell_contact_share"], 0.2)
         self.assertGreaterEqual(numbers["glass_processor_s"], 90.0)
+
+    def test_a_film_is_of_the_first_frames_and_its_time_of_one_picture(self) -> None:
+        for frames, last in ((200, 80), (40, 39)):
+            used = iter((10.0, 10.0 + 2.0 * (last + 1)))
+            with mock.patch.multiple(runs, list_frames=lambda path, n=frames: [None] * n, _processor_s=lambda: next(used)), \
+                    mock.patch.object(runs, "render") as drawn:
+                self.assertEqual(runs.film_s_a_picture(Path("run")), 2.0)
+            self.assertEqual(drawn.call_args.args[1:5], (Path("run/film.mp4"), True, False, f"0-{last}"))
+            self.assertEqual(drawn.call_args.args[5].size, (1280, 720))
 
 
 if __name__ == "__main__":
