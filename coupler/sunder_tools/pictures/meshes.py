@@ -296,7 +296,9 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
     A lone shell of which the scene is not known is drawn as glass.
     """
     glass, solid, cracks, outlines = [Surface()], [Surface()], [np.zeros((0, 2, 3))], [np.zeros((0, 2, 3))]
-    shards, shard_of, moving = np.zeros((0, 3)), np.zeros(0, np.int64), np.zeros((0, 3))
+    shards: np.ndarray = np.zeros((0, 3))
+    shard_of: np.ndarray = np.zeros(0, np.int64)
+    moving: np.ndarray = np.zeros((0, 3))
     floor_z: float | None = None
     thickness_m = 0.0
     shell = frame.read(SHELL)

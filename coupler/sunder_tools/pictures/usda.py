@@ -89,7 +89,7 @@ def usda_text(things: list[Thing], times: np.ndarray, fps: float, speed: float |
     """Writes a stage. `times` (n,) [s] of the film are those of all frames, `run_times` those of the run; a time code is a
     picture. Velocities are of the film, as the format has it."""
     codes = times * fps
-    rates = np.full(len(times), speed or 1.0)
+    rates: np.ndarray = np.full(len(times), speed or 1.0)
     if speed is None and run_times is not None and len(times) > 1:
         seconds = np.diff(times)
         rates = np.divide(np.diff(run_times), seconds, out=np.zeros(len(seconds)), where=seconds > 0.0)
