@@ -60,7 +60,7 @@ def main() -> None:
     if job["threads"]:
         scene.render.threads_mode, scene.render.threads = "FIXED", job["threads"]
     scene.view_settings.view_transform = "Filmic"
-    scene.view_settings.look = "High Contrast" if bpy.app.version < (4, 0, 0) else "None"  # Filmic alone makes colours pale
+    scene.view_settings.look = "High Contrast"  # Filmic alone makes colours pale
     scene.view_settings.exposure = EXPOSURE
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"

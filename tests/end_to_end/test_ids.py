@@ -94,13 +94,13 @@ def ids_of(mesh: PolyData | None, array: str) -> set[int]:
 
 
 def glb_values(content: bytes, attribute: str) -> list[float]:
-    """Numbers of an attribute with one per vertex, over all meshes."""
+    """Numbers of an attribute with three equal ones per vertex, over all meshes."""
     size = struct.unpack_from("<I", content, 12)[0]
     told, blob, found = json.loads(content[20:20 + size]), content[28 + size:], []
     for mesh in told["meshes"]:
         accessor = told["accessors"][mesh["primitives"][0]["attributes"][attribute]]
         offset = told["bufferViews"][accessor["bufferView"]]["byteOffset"]
-        found += np.frombuffer(blob, "<f4", accessor["count"], offset).tolist()
+        found += np.frombuffer(blob, "<f4", 3 * accessor["count"], offset).tolist()
     return found
 
 

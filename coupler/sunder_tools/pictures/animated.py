@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .glb import INDICES, VERTICES, Glb, texture, upright
+from .glb import INDICES, VERTICES, Glb, texture, thrice, upright
 from .story import Shape, Thing
 
 
@@ -52,7 +52,7 @@ def _mesh(out: Glb, name: str, shape: Shape) -> int:
         if np.isfinite(shape.rest[mine]).all():
             attributes["_REST"] = out.accessor(upright(shape.rest[mine]), "VEC3", VERTICES)
         if np.isfinite(shape.damage[mine]).all():
-            attributes["_DAMAGE"] = out.accessor(shape.damage[mine].astype("<f4"), "SCALAR", VERTICES)
+            attributes["_DAMAGE"] = out.accessor(thrice(shape.damage[mine]), "VEC3", VERTICES)
         if shape.velocity:
             attributes["_VELOCITY"] = out.accessor(upright(shape.velocity[0][mine] + shape.drift[0]), "VEC3", VERTICES)
         primitive = {"attributes": attributes, "material": out.material(slot.material, slot.colour),

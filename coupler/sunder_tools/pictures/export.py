@@ -23,7 +23,7 @@ from ..errors import DONE
 from ..report.scene_text import Words, known_words
 from .between import film_frames
 from .frames import FROZEN, SHARD
-from .glb import INDICES, VERTICES, Glb, texture, upright
+from .glb import INDICES, VERTICES, Glb, texture, thrice, upright
 from .look import origins
 from .materials import material_of_body, material_of_shards, material_of_shell, name_of_body, slot_name
 from .mesh import Mesh, mesh_of
@@ -69,8 +69,8 @@ def _add(out: Glb, name: str, mesh: Mesh, normals: np.ndarray, which: np.ndarray
             "POSITION": out.accessor(upright(mesh.points[corners]), "VEC3", VERTICES, True),
             "NORMAL": out.accessor(upright(normals[mine].reshape(-1, 3)), "VEC3", VERTICES),
             "_VELOCITY": out.accessor(upright(mesh.velocity[corners]), "VEC3", VERTICES),
-            "_FRAGMENT": out.accessor(np.repeat(mesh.fragment[mine], 3).astype("<f4"), "SCALAR", VERTICES),
-            "_DAMAGE": out.accessor(np.repeat(mesh.damage[mine], 3).astype("<f4"), "SCALAR", VERTICES)}
+            "_FRAGMENT": out.accessor(thrice(np.repeat(mesh.fragment[mine], 3)), "VEC3", VERTICES),
+            "_DAMAGE": out.accessor(thrice(np.repeat(mesh.damage[mine], 3)), "VEC3", VERTICES)}
         if np.isfinite(mesh.uv[corners]).all():
             attributes["TEXCOORD_0"] = out.accessor(texture(mesh.uv[corners]), "VEC2", VERTICES)
         if np.isfinite(mesh.colour[corners]).all():

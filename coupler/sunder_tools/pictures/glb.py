@@ -21,6 +21,12 @@ def texture(uv: np.ndarray) -> np.ndarray:
     return np.column_stack([uv[:, 0], 1.0 - uv[:, 1]]).astype("<f4")
 
 
+def thrice(values: np.ndarray) -> np.ndarray:
+    """Turns numbers (n,) into vectors of three equal ones. Blender 4.3 confuses, or refuses, attributes of its users that
+    differ in type within a mesh, so all of them have three numbers."""
+    return np.repeat(values.astype("<f4")[:, None], 3, axis=1)
+
+
 class Glb:
     """Collects entries of a glTF; `packed` gives the file."""
 
