@@ -8,7 +8,8 @@ from .rows import Outcome, Quantity, Refused, Row, Runner, Stable
 from .scenes import CLAMPED, GLASS, ball, material, message, scene, sheet
 
 BROKEN = 2e-2  # of the books with cracks: the program itself warns above
-COARSE = ".*refine$"  # what the program advises: these grids do not hold what such a strength stores, or such a speed brings
+# What the program advises: these grids do not hold what such a strength stores, or such a speed brings.
+COARSE = ".*refine$|cracks divided"
 GRAVITY = -9.81
 FALL_S = 0.02
 
