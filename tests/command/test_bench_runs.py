@@ -37,7 +37,8 @@ class Runs(unittest.TestCase):
         asked: list[str] = []
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()), \
                 mock.patch.multiple(runs, kept_run=kept, read_run=lambda path: run_json(), last_graph=lambda path: [0] * 400,
-                                    write_contact_sheet=lambda path: path, film_s_a_picture=lambda path: 0.3, read_usage=lambda path: {"processor_s": 90.0}):
+                                    write_contact_sheet=lambda path: path, film_s_a_picture=lambda path: 0.3,
+                                    read_usage=lambda path: {"processor_s": 90.0}):
             numbers = runs.measure_runs(mock.sentinel.executables)
         self.assertEqual(asked, ["glass.textproto", "pressed_plate.textproto", "impactor_small.textproto"])
         self.assertEqual(set(numbers), set(goals.RUNS_GOALS))

@@ -138,8 +138,8 @@ class Ids(unittest.TestCase):
             np.testing.assert_allclose(track.centre[-1], end, atol=1e-6, err_msg=f"shard {i}")
             if born == 0:
                 continue  # a splinter
-            # a piece loses area where parts of it break off, and never gains any but what frames left out before
-            self.assertTrue(all(after <= before * (1.0 + BARE) for before, after in zip(track.area[:born], track.area[1:born])),
+            # a piece loses area where parts of it break off, and never gains any but what is drawn beside a crack
+            self.assertTrue(all(after <= before * 1.001 for before, after in zip(track.area[:born], track.area[1:born])),
                             f"shard {i}: {track.area}")
             self.assertGreater(track.area[born - 1], (1.0 - BARE) * row["area [m^2]"])
             self.assertAlmostEqual(track.time[born] - track.time[born - 1], ONE_WINDOW, delta=1e-9)
