@@ -98,6 +98,7 @@ std::string fracture_lines(const ShellSetup& shell) {
         width * h / (1.0 + h), (1.0 + h) / h, q.fracture_energy);
     return out;
   }
+  if (!shell.fracture.tips_run()) return out;  // cuts alone
   const double mirror = mirror_length(q, shell.fracture.tips.branch_ratio * shell.fracture.tips.branch_ratio);
   out += fmt::format("division       at the strength a crack divides once it is {:.3g} m long, {:.2g} spacings{}\n",
                      mirror, mirror / m.spacing,

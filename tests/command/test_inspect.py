@@ -232,6 +232,22 @@ class Programs(unittest.TestCase):
         self.assertRegex(done.stderr, r"bad_input: b\.off: ")
         self.assertNotIn("inspect.textproto", done.stderr)
 
+    def test_check_tells_of_divisions_by_the_ratio_of_the_scene_and_only_where_tips_run(self) -> None:
+        told = {}
+        for mode in ("mode: CUTS", "branch_ratio: 3", "branch_ratio: 6"):
+            (self.folder / "pane.textproto").write_text(f"""name: "pane" end_time_s: 1e-3 window_s: 2e-5
+                materials {{ name: "glass" preset: SODA_LIME_GLASS strength: 120e6 }}
+                shells {{ name: "pane" material: "glass" thickness_m: 0.003
+                  plate {{ size_x_m: 0.2 size_y_m: 0.2 elements_x: 12 elements_y: 12 }} }}
+                fracture {{ seed: 1 {mode} }}""")
+            done = subprocess.run([str(SHELL), "--scene", str(self.folder / "pane.textproto"), "--check"], text=True, check=False,
+                                  stdin=subprocess.DEVNULL, capture_output=True)
+            self.assertEqual(done.returncode, DONE, done.stderr)
+            told[mode] = [float(length) for length in re.findall(r"(?m)^division .* once it is (\S+) m long", done.stdout)]
+        self.assertEqual(told.pop("mode: CUTS"), [])
+        (short,), (long,) = told.values()
+        self.assertAlmostEqual(long / short, 4.0, delta=0.02)  # the energy release goes with its square; three digits are told
+
     @unittest.skipUnless(HAS_CAD, f"{BUILD} is without OpenCASCADE")
     def test_the_first_cad_file_compiles_only_what_reads_it(self) -> None:
         rules = re.split(r"^build ", (BUILD / "build.ninja").read_text(), flags=re.M)
