@@ -106,6 +106,13 @@ bool is_stretched(const VtpMesh& mesh, const VtpArray& displacement, const std::
   return false;
 }
 
+// Place of a triangle among those of its shell, by its centre in parameters.
+TornTriangles::value_type place_of(const ShellModel& m, const Vec2& centre) {
+  constexpr double kPart = 1e-6;  // of an element: centres differ by more
+  const Vec2 at = centre / (kPart * m.spacing);
+  return {std::llround(at.x()), std::llround(at.y())};
+}
+
 // Returns the id that most control points of a piece have; of several such, the lowest.
 BodyId id_of(const Piece& piece, const std::vector<BodyId>& ids) {
   std::map<BodyId, int> count;
@@ -171,9 +178,10 @@ struct Varying {
   bool thickness = false, colour = false;
 };
 
-// `ids` are those of the pieces of control points.
+// `ids` are those of the pieces of control points. `torn` are the triangles that are drawn no more; more are added.
 ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<BodyId>& ids,
-                       const FrameFields& fields, const ContactOverTime& contact, const Varying& varies) {
+                       const FrameFields& fields, const ContactOverTime& contact, const Varying& varies,
+                       TornTriangles& torn) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
   std::vector<BodyId> id;
@@ -238,7 +246,14 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
       }
       polygon.push_back(it->second);
     }
-    if (!m.laminated() && is_stretched(mesh, displacement, polygon, most_stretch(m, s, centre))) continue;
+    if (!m.laminated()) {
+      const TornTriangles::value_type place = place_of(m, centre);
+      if (torn.count(place) > 0) continue;
+      if (is_stretched(mesh, displacement, polygon, most_stretch(m, s, centre))) {
+        torn.insert(place);
+        continue;
+      }
+    }
     mesh.polygons.push_back(polygon);
     const int lane = m.patch.knots_u.span_of(centre.x()), f = m.patch.knots_v.span_of(centre.y());
     const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
@@ -326,7 +341,8 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
       varies.thickness |= view.model->varies(), varies.colour |= static_cast<bool>(view.model->colour);
     for (std::size_t k = 0; k < shells.size(); ++k) {
       const ContactOverTime& contact = k < fields.contact.size() ? fields.contact[k] : none;
-      ShellMeshes meshes = shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact, varies);
+      ShellMeshes meshes = shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact, varies,
+                                      torn_[shells[k].model->name]);
       append(shell, std::move(meshes.middle), static_cast<int>(k));
       shell.shell_areas.push_back(meshes.area);
       if (fields.thick) append(thick, std::move(meshes.solid), static_cast<int>(k));

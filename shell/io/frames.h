@@ -1,7 +1,10 @@
 #pragma once
 // Writes frames: shells, cracks and bodies as .vtp files, listed in frames.pvd.
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,6 +25,10 @@ struct FrameFields {
   std::function<Vec3(std::size_t body, const Vec3& at)> velocity{};
 };
 
+/// Triangles of a shell that were once too stretched to be drawn, by their places. What is torn stays torn, so that no
+/// film flickers where it springs back.
+using TornTriangles = std::set<std::array<std::int64_t, 2>>;
+
 /// Writes one frame after another into a folder.
 class FrameWriter {
  public:
@@ -39,7 +46,7 @@ class FrameWriter {
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
-    f(count_, index_, thick_index_, drawn_, piece_);
+    f(count_, index_, thick_index_, drawn_, piece_, torn_);
   }
 
  private:
@@ -48,6 +55,7 @@ class FrameWriter {
   std::string index_, thick_index_;
   std::map<BodyId, DrawnMesh> drawn_;
   std::map<BodyId, BodyId> piece_;
+  std::map<std::string, TornTriangles> torn_;  // by the shell's name
 };
 
 }  // namespace sunder::shell
