@@ -210,6 +210,8 @@ EXPERIMENTS = {"shells": (
                _later("weakened", "weakened_region")),
     Experiment("round_pane", "the lattice must not show: 64 round panes, struck, the lattice turned",
                _later("impacts", "round_pane")),
+    Experiment("stars", "arms of stars are straight, and no crack runs beside another along a border, three scenes",
+               _later("stars", "stars")),
     Experiment("impact_speed", "radial cracks against speed (Vandenberghe, Vermorel, Villermaux 2013)",
                _later("impacts", "impact_speed")),
     Experiment("refinement", "cracks and residual speed on three grids", _later("impacts", "refinement")),
