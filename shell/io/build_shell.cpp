@@ -193,7 +193,6 @@ void check_with_loops(const scene::LoadedScene& scene, const proto::Shell& s, co
                 "'{}': the {} is trimmed, which cannot go with {}; leave that out",
                 s.has_mesh() ? s.mesh().path() : s.cad().path(), s.has_mesh() ? "surface" : "face", what);
   };
-  go(!s.has_interlayer(), "an interlayer");
   go(!s.has_fibres(), "fibres");
   go(scene.message.fracture().mode() != proto::Fracture::DAMAGE, "fracture.mode DAMAGE");
   go(scene.message.transfer().kind() == proto::GridTransfer::DIRECT, "a transfer through the grid");

@@ -114,7 +114,9 @@ void FieldSampler::compute(int block, int lane, Known& known) const {
     memory.heals = state_.layers.heals;
   std::optional<SectionState> s;
   if (model_.laminated()) {
-    const GatheredPoint core = uncut(model_.interlayer);
+    const int beside =
+        model_.trim.empty() ? -1 : model_.trim.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+    const GatheredPoint core = beside < 0 ? uncut(model_.interlayer) : model_.trim.points[beside];
     const SectionCore inner{model_.interlayer, core};
     s = section_state(t, own, state_.motion.x, model_.thickness, memory, &inner);
   } else {

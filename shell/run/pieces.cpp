@@ -151,9 +151,14 @@ std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
   }
   std::vector<int> first;
   DisjointSets together = sewn(out, first);
-  for (std::size_t k = 0; k < state_.shells.size(); ++k)  // an interlayer holds cracked pieces together
-    for (std::size_t i = 1; i < out[k].pieces.size() && state_.shells[k].model().laminated(); ++i)
-      together.join(first[k] + static_cast<int>(i), first[k]);
+  for (std::size_t k = 0; k < state_.shells.size(); ++k) {  // an interlayer holds cracked pieces together
+    int known = -1;
+    for (int i = 0; i < static_cast<int>(out[k].pieces.size()) && state_.shells[k].model().laminated(); ++i) {
+      if (out[k].pieces[i].outside) continue;
+      if (known >= 0) together.join(first[k] + i, known);
+      known = first[k] + i;
+    }
+  }
   std::vector<char> held(together.size(), 0), interlocked(together.size(), 0);
   for (const bool gather : {true, false})
     for (std::size_t k = 0; k < state_.shells.size(); ++k)

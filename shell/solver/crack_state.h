@@ -101,12 +101,13 @@ struct Cracks {
 
 /// Gauss points that a crack has touched or damage may weaken, and the tables of the points that the row kernel sums.
 struct CrackedPoints {
-  RowTables tables;                     // as the model's, with zero area at gathered points
-  RowTables interlayer;                 // as the model's, with zero area at detached points
-  std::vector<GatheredPoint> gathered;  // points that are summed one by one
-  std::vector<int> point_of;            // [block][lane]: index into `gathered`; -1: none
-  std::vector<char> kind_of;            // [block][lane]: PointKind of the gathered point; kQuadratic elsewhere
-  std::vector<PointDamage> damage;      // of each gathered point where damage drives cracks; otherwise empty
+  RowTables tables;                          // as the model's, with zero area at gathered points
+  RowTables interlayer;                      // as the model's, with zero area at detached points
+  std::vector<GatheredPoint> gathered;       // points that are summed one by one
+  std::vector<GatheredPoint> of_interlayer;  // the same of an interlayer, beside trims; as the model's until they leave
+  std::vector<int> point_of;                 // [block][lane]: index into `gathered`; -1: none
+  std::vector<char> kind_of;                 // [block][lane]: PointKind of the gathered point; kQuadratic elsewhere
+  std::vector<PointDamage> damage;           // of each gathered point where damage drives cracks; otherwise empty
   std::vector<char> watched;  // [block][lane]: 1 where damage may weaken a point that the rows sum; empty: none
   // [block][lane]: distance of the furthest control point that the functions beside a crack use, as the larger of the
   // two coordinates [spacings]; 0: the functions are those of the patch.
@@ -116,7 +117,7 @@ struct CrackedPoints {
   /// none: where one differs, positions after it do.
   template <class F>
   void saved(F&& f) {
-    f(tables.metric, interlayer.metric, gathered, point_of, damage, watched, reach);
+    f(tables.metric, interlayer.metric, of_interlayer, gathered, point_of, damage, watched, reach);
   }
   PointKind kind(std::size_t gauss) const { return static_cast<PointKind>(kind_of[gauss]); }
   void note_kind(const GatheredPoint& g) {

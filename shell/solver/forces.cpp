@@ -62,6 +62,9 @@ double forces(const ShellModel& m, ShellState& s, bool energy, double stress_sha
     s.scratch.interlayer_force.resize(s.motion.force.size());
     sum += row_forces(s.cracked.interlayer, {s.motion.x, energy, {}, threads}, {}, s.scratch.rows,
                       s.scratch.interlayer_force);
+    if (!s.cracked.of_interlayer.empty())
+      sum += add_point_forces(s.cracked.interlayer, s.cracked.of_interlayer, {s.motion.x, energy, {}, threads}, {},
+                              s.scratch.interlayer_points, s.scratch.interlayer_force);
     for (std::size_t i = 0; i < s.motion.force.size(); ++i) s.motion.force[i] += s.scratch.interlayer_force[i];
   }
   s.cracks.interlock_energy = interlock_energy(s);

@@ -131,7 +131,7 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   if (m.laminated()) {
     const Elasticity soft = elasticity({core.youngs_modulus, core.poisson_ratio}, material.stress_model);
     m.interlayer =
-        make_row_tables(m.patch, gauss, gauss_layers(kCoreLayers, core.thickness), soft, "shell '" + name + "'");
+        make_row_tables(m.patch, gauss, gauss_layers(kCoreLayers, core.thickness), soft, "shell '" + name + "'", trim);
   }
   const RowTables& t = m.tables;
   m.mass.assign(t.component_stride, 0.0);

@@ -62,7 +62,7 @@ struct ShellModel {
   int clamped = 0;  // EdgeBit: edges that are held with their slopes along all axes
   int joined = 0;   // EdgeBit: edges with a seam to another shell, hinges excepted
   RowTables tables{};
-  // Tables of the interlayer, with the functions of the uncut patch at all times; empty without an interlayer.
+  // Tables of the interlayer, with the functions of the uncracked shell at all times; empty without an interlayer.
   RowTables interlayer{};
   std::vector<double> mass{};  // lumped mass of each slot [kg]; padding 0
   std::vector<double> rest{};  // positions at rest [m], [3][component stride]

@@ -104,7 +104,7 @@ struct Caches {
 struct ShellScratch {
   TransferBuffers transfer;
   RowScratch rows;
-  PointScratch points;
+  PointScratch points, interlayer_points;
   std::vector<double> interlayer_force;
 };
 

@@ -407,7 +407,9 @@ void trim_state(const ShellModel& m, ShellState& s) {
     for (int axis = 0; axis < 3; ++axis) s.motion.v[static_cast<std::size_t>(axis) * t.component_stride + d.slot] = 0.0;
   }
   s.cracked.gathered = trim.points, s.cracked.point_of = trim.point_of;
+  if (m.laminated()) s.cracked.of_interlayer = trim.points;
   for (const GatheredPoint& g : trim.points) {
+    if (m.laminated()) s.cracked.interlayer.metric[t.at(g.block, kMetricFields, kArea, g.lane)] = 0.0;
     const std::size_t gauss = static_cast<std::size_t>(g.block) * t.lanes + g.lane;
     s.cracked.tables.metric[t.at(g.block, kMetricFields, kArea, g.lane)] = 0.0;
     const Vec2 p = gauss_point(m.patch, t, g.block, g.lane).parameter;

@@ -127,8 +127,8 @@ TEST(StateHash, TakesEachSavedMemberThatIsNotLeftOut) {
             (Places{&c.tips, &c.interlocks, &c.interlock_of, &c.cut_done, &c.last_crack_time, &c.interlock_energy,
                     &c.force_discontinuity, &c.released, &c.released_by_faces, &c.surplus, &c.taken}));
   CrackedPoints& p = s.cracked;
-  EXPECT_EQ(saved_alone(p), (Places{&p.tables.metric, &p.interlayer.metric, &p.gathered, &p.point_of, &p.damage,
-                                    &p.watched, &p.reach}));
+  EXPECT_EQ(saved_alone(p), (Places{&p.tables.metric, &p.interlayer.metric, &p.of_interlayer, &p.gathered, &p.point_of,
+                                    &p.damage, &p.watched, &p.reach}));
   SoftState soft;
   EXPECT_EQ(saved_alone(soft), (Places{&soft.dt, &soft.book}));
 }
