@@ -129,7 +129,6 @@ constexpr On struck_pane = On::struck_pane, torn_sheet = On::torn_sheet, energy_
 constexpr Studied kStudied[] = {
     {&CalibratedConstants::to_diagonal, "to_diagonal", energy_release},
     {&CalibratedConstants::most_turn, "most_turn", struck_pane},
-    {&CalibratedConstants::branch_angle, "branch_angle", struck_pane},
     {&CalibratedConstants::flaw_spacing, "flaw_spacing", struck_pane},
     {&CalibratedConstants::cracked_step, "cracked_step", struck_pane},
     {&CalibratedConstants::spent_beside, "spent_beside", torn_sheet},

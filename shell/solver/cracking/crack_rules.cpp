@@ -17,7 +17,6 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius, const Calibr
   r.tip_strength = stretching_mean() * toughness;
   r.tip_bending_strength = bending_mean(m.material.poisson_ratio) * toughness;
   r.process_length = e * g / (m.material.strength * m.material.strength);
-  r.branch_angle = calibrated.branch_angle;
   r.branch_ratio = std::sqrt(m.material.branch_drive), r.branch_clearance = kClearance * l;
   r.tip_clearance = std::max({kClearance * l, m.largest_thickness(), r.process_length});
   r.parallel_clearance = std::max(kClearance * l, kParallelThickness * m.largest_thickness());
