@@ -63,10 +63,9 @@ FIGURES = {figure.number: figure for figure in (
            "2018 (purple) material separates near the crack; with the paper's (green) 0.994 m2 are left.",
            ("fig09_ours", "fig09_plane_stress", "fig09_jgt17", "fig09_ghf18"),
            (CHOSEN, "The area comes back with every model here, those of Jiang and Guo included. What is missing of 1 m2 are points "
-            "at the crack that it has left without support. Here the shape functions at "
-            "a crack are those of a well-conditioned support, and the grid does not carry velocities. The paper names the "
-            "negative weights near the crack as what makes the loss worse; it gives no parameters with which it could be "
-            "repeated."), drawings.figure_9),
+            "at the crack that it has left without support. shell/mechanics/README.md derives why: none of the four energies "
+            "is stationary but at rest, and strain is computed from positions. Only a scheme that carries the deformation "
+            "gradient forward can end with less area. The paper gives no parameters with which that could be repeated."), drawings.figure_9),
     Figure(10, "Support of a quadrature point near a crack", DRAWING),
     Figure(11, "Mode I, mode II, and a plate under pressure",
            "(a) Under mode I the crack goes straight on. (b) Under mode II it turns off. A simply supported plate under "

@@ -234,6 +234,23 @@ TYPED_TEST(ElasticLawTest, HasNeitherStressNorEnergyAtRest) {
   EXPECT_DOUBLE_EQ(p.stretch2, 1.0);
 }
 
+// From any state the energy falls on the straight way in logarithms of the stretches to rest, and nowhere else does
+// stress vanish. So a free piece that has come to rest has its whole area, whichever law it follows.
+TYPED_TEST(ElasticLawTest, HasNoOtherStateWithoutStress) {
+  const Sym2<double> unit{1.0, 1.0, 0.0};
+  for (const double nu : {0.0, 0.22, 0.45}) {
+    const TypeParam law(ElasticConstants{1.0, nu});
+    for (const double first : {0.1, 0.5, 0.9, 1.2, 3.0, 8.0})
+      for (const double second : {0.1, 0.7, 0.99, 1.5, 5.0})
+        for (const double share : {1.0, 0.5, 0.1}) {
+          const double l[] = {share * std::log(first), share * std::log(second)};
+          const Sym2<double> c{std::exp(2.0 * l[0]), std::exp(2.0 * l[1]), 0.0};
+          const PlaneStress<double> p = law.template stress<double>(c, unit);
+          EXPECT_GT(p.s.c11 * c.c11 * l[0] + p.s.c22 * c.c22 * l[1], 0.0) << nu << " " << first << " " << second;
+        }
+  }
+}
+
 TYPED_TEST(ElasticLawTest, OfAPackIsThatOfItsLanes) {
   const TypeParam law(ElasticConstants{1.0, kRatio});
   for (const double size : {0.002, 0.3}) {  // all lanes near rest, and some far
