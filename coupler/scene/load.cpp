@@ -86,7 +86,10 @@ struct Collector : pb::io::ErrorCollector {
   void AddError(int line, pb::io::ColumnNumber column, const std::string& message) override {
     std::string field, problem = message + " see proto/scene.proto for fields and types";
     Place place{line, column, nullptr};
-    if (message.find("has no field named") != std::string::npos) {
+    if (message.find("Need space between number and identifier") != std::string::npos) {
+      problem =
+          "a number with a unit behind it; numbers are in SI units and have none: 4 mm are 0.004, 70 GPa are 70e9";
+    } else if (message.find("has no field named") != std::string::npos) {
       const auto* type = pb::DescriptorPool::generated_pool()->FindMessageTypeByName(quoted_part(message, 0));
       field = quoted_part(message, 1);
       place = place_of(field, text, line, column);

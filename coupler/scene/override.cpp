@@ -55,7 +55,10 @@ void apply_setting(proto::Scene& scene, const std::string& setting) {
     const auto* r = at->GetReflection();
     if (!more) {
       if (f->is_repeated() || f->cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE)
-        fail("'" + step + "' is not a single value");
+        fail(f->cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE
+                 ? fmt::format("'{0}' has fields: name one, as in {1}{2}.{3}", step, setting.substr(0, equals),
+                               f->is_repeated() ? "[0]" : "", f->message_type()->field(0)->name())
+                 : fmt::format("'{}' is a list, which a setting does not change; write it into the scene", step));
       const std::string value = setting.substr(equals + 1);
       const std::string literal = f->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING ? "\"" + value + "\"" : value;
       r->ClearField(at, f);

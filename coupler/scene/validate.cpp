@@ -433,7 +433,8 @@ void validate(const LoadedScene& s) {
     positive(s, "settle_window_s", true, m.settle_window_s(), "s");
     const double ratio = m.settle_window_s() / m.window_s();
     s.check(ratio >= 1.0 - 1e-9 && ratio < 1e6 && std::abs(ratio - std::round(ratio)) < 1e-6 * ratio, "settle_window_s",
-            "is {} times window_s; must be a whole multiple", ratio);
+            "is {} s, {:.6g} times window_s, {} s; must be a whole multiple: give {:.6g}, or leave it out",
+            m.settle_window_s(), ratio, m.window_s(), std::max(1.0, std::ceil(ratio * (1.0 - 1e-9))) * m.window_s());
   }
   if (m.has_time_step_s()) {
     positive(s, "time_step_s", true, m.time_step_s(), "s");

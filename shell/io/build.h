@@ -57,6 +57,7 @@ struct RunSetup {
   std::vector<SoftSetup> soft;
   Stitches stitches;                  // seams between the shells
   std::vector<std::string> touching;  // warnings of meshes that touch themselves in points
+  std::vector<std::string> doubts;    // values that look as if they were given in another unit
   bool shells_meet = false;           // shells may touch one another, or a shell itself
   double fibre_spacing = 0.0;         // spacing of the fibres' grid [m]; 0: no shell has fibres that could touch others
   std::uint64_t seed = 0;

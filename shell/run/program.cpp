@@ -9,6 +9,7 @@
 
 #include "coupler/core/command_line.h"
 #include "coupler/scene/load.h"
+#include "coupler/scene/unit_doubts.h"
 #include "shell/io/check.h"
 #include "shell/run/modes_run.h"
 
@@ -32,7 +33,8 @@ const CLI::Validator kPositive(
     },
     "POSITIVE");
 
-int run(const Program& program, int argc, char** argv) {
+// `doubts` are those about the scene's units, once it is read.
+int run(const Program& program, int argc, char** argv, std::vector<std::string>& doubts) {
   std::string scene_path, where;
   std::vector<std::string> settings;
   RunOptions options;
@@ -82,6 +84,7 @@ int run(const Program& program, int argc, char** argv) {
   if (die_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
   options.threads = static_cast<int>(std::clamp(threads, 1.0, kMostUsefulThreads));
   const auto scene = scene::load(scene_path, settings);
+  doubts = scene::unit_doubts(scene.message);
   RunSetup setup = build(scene);
   require(options.until <= 0.0 || options.until >= setup.window, "--until {}: less than one window of {} s",
           options.until, setup.window);
@@ -124,10 +127,13 @@ int run(const Program& program, int argc, char** argv) {
 }  // namespace
 
 int run_program(const Program& program, int argc, char** argv) {
+  std::vector<std::string> doubts;
   try {
-    return run(program, argc, argv);
+    return run(program, argc, argv, doubts);
   } catch (const Error& e) {
-    fmt::print(stderr, "{}: {}: {}\n", program.name, e.kind, e.what());
+    const bool by_scene = e.status == Exit::kBadInput && !doubts.empty();
+    fmt::print(stderr, "{}: {}: {}{}\n", program.name, e.kind, e.what(),
+               by_scene ? fmt::format(". Look at the units first: {}", fmt::join(doubts, "; ")) : "");
     return static_cast<int>(e.status);
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}: {}\n", program.name, e.what());

@@ -58,6 +58,12 @@ TEST(Setting, IsRefusedWithTheNearestRightName) {
   expect("shell[pane].layers=4", "'shell' is no field of Scene; did you mean 'shells'?");
   expect("transfer.kind=APCI", "'APCI' is none of its values; did you mean 'APIC'");
   expect("window_s=soon", "'soon' is no number");
+  expect("output.probes=a", "'probes' has fields: name one, as in output.probes[0].");
+  expect("output.fields=STRESS", "'fields' is a list, which a setting does not change; write it into the scene");
+  expect("shells[pane].plate=3", "'plate' has fields: name one, as in shells[pane].plate.");
+  expect_refusal(
+      kScene + "settle_window_s: 1.5e-4\n", "settle_window_s",
+      {"is 0.00015 s, 1.5 times window_s, 0.0001 s; must be a whole multiple: give 0.0002, or leave it out"});
   expect("shells[pane].layers=many", "'many' is no whole number");
   expect("shells[pane].cuts[0].time_s=1", "cuts[0] is not there; it has 0, counted from 0");
 }

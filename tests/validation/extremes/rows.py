@@ -66,6 +66,10 @@ class Expectation:
         raise NotImplementedError
 
 
+# A value that looks as if it were given in another unit: most of these rows have one, on purpose.
+DOUBT = r"(materials|shells|bodies)\[[^]]*\]\.[a-z_.]+ is [-+.0-9e]+ (Pa|kg/m\^3|m|m/s)[ ,;]"
+
+
 @dataclass(frozen=True)
 class Stable(Expectation):
     """Runs to its end, every number finite, and the energy books within `bound` at every window. It warns where `warns` is
@@ -81,7 +85,7 @@ class Stable(Expectation):
         if found.status != DONE or run.get("status") != "done":
             return _ending(found), "did not run to its end"
         told = [w for w in run["warnings"] if self.warns and re.match(self.warns, w)]
-        if other := [w for w in run["warnings"] if w not in told]:
+        if other := [w for w in run["warnings"] if w not in told and not re.match(DOUBT, w)]:
             wrong.append(f"warns: {other[0]}")
         if self.warns and not told:
             wrong.append(f"does not warn: {self.warns}")
