@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/core/convex_surface.h"
+
 namespace sunder::shell {
 namespace {
 
@@ -47,17 +49,11 @@ void add_prism(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& corne
   }
 }
 
-void add_hull(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& c) {
+void add_hull(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& corners) {
   const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
-  for (std::size_t i = 0; i < c.size(); ++i)
-    for (std::size_t j = 0; j < c.size(); ++j)
-      for (std::size_t k = 0; k < c.size(); ++k) {
-        if (i >= j || i >= k || j == k) continue;
-        const Vec3 n = (c[j] - c[i]).cross(c[k] - c[i]);
-        bool face = n.norm() > 0.0;
-        for (std::size_t l = 0; l < c.size() && face; ++l) face = n.dot(c[l] - c[i]) <= 1e-9 * n.norm();
-        if (face) out.polygon({world(c[i]), world(c[j]), world(c[k])});
-      }
+  const Surface hull = convex_surface(corners);
+  for (const auto& t : hull.triangles)
+    out.polygon({world(hull.corners[t[0]]), world(hull.corners[t[1]]), world(hull.corners[t[2]])});
 }
 
 int kind_of(const RigidBody& b, BodyId first_shard) {
@@ -81,7 +77,13 @@ void add_body(BodyMesh& out, const RigidBody& b) {
                    Vec3(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar)));
     };
     for (int i = 0; i < kRings; ++i)
-      for (int j = 0; j < kSectors; ++j) out.polygon({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+      for (int j = 0; j < kSectors; ++j)
+        if (i == 0)
+          out.polygon({at(0, 0), at(1, j), at(1, j + 1)});
+        else if (i + 1 == kRings)
+          out.polygon({at(i, j), at(kRings, 0), at(i, j + 1)});
+        else
+          out.polygon({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
   } else if (const auto* s = std::get_if<BoxShape>(&b.shape)) {
     std::vector<Vec3> corners;
     for (const auto& [x, y] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}})

@@ -16,7 +16,7 @@ class Trace {
   /// Adds the spans that the engine reported with a reply.
   void heard(const link::TimedReply& reply);
   /// Writes the file. `shell` and `rigid`: what it calls the two processes. The engine's clock is aligned by the
-  /// fastest exchange. Throws Error (io).
+  /// fastest exchange. Throws Error (bad_output).
   void write(const std::string& path, const std::string& shell, const std::string& rigid) const;
 
   static std::int64_t now_ns();

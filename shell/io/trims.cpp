@@ -14,7 +14,7 @@ constexpr double kSame = 1e-9;        // spacings: points this near are one
 constexpr double kMostCorners = 2e4;  // corners of a loop
 constexpr double kLeastRadius = 0.5;  // of a circle [spacings]
 constexpr double kLeastHole = 0.25;   // area of a hole that Gauss points notice [squared spacings]
-constexpr int kAreaSteps = 3;         // corrections of the corners of a curve: each leaves the square of the error
+constexpr int kAreaSteps = 3;         // corrections of the corners of a curve: each leaves a small share of the error
 
 struct Domain {
   const Patch& patch;

@@ -112,8 +112,9 @@ void write_atomically(const std::string& path, const std::string& text) {
                   fmt::format("{}: cannot be written; is there room and permission?", path));
     }
   }
-  if (std::rename(part.c_str(), path.c_str()) != 0)
-    throw Error(Exit::kBadInput, "bad_output", fmt::format("{}: cannot be replaced", path));
+  if (std::rename(part.c_str(), path.c_str()) == 0) return;
+  std::remove(part.c_str());
+  throw Error(Exit::kBadInput, "bad_output", fmt::format("{}: cannot be replaced; is it a folder?", path));
 }
 
 }  // namespace sunder::shell

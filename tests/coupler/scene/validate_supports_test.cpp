@@ -46,20 +46,6 @@ TEST(SupportsUntilATime, AreRefusedWhereNothingMoves) {
   expect_refusal(text, "shells[0].supports[0].until_s", {"in this scene nothing moves", "leave it out"});
 }
 
-TEST(SupportsUntilATime, AreRefusedOnASeam) {
-  const auto with = [](const char* edge) {
-    return strong(fmt::format("supports {{ edges: {} kind: SIMPLY_SUPPORTED until_s: 0.5 }}", edge),
-                  kWing + "seams {}\n");
-  };
-  expect_refusal(with("V_MIN"), "shells[0].supports",
-                 {"are released at 0.5 s", "the seam between", "hold a part off the seam"});
-  EXPECT_EQ(refusal(with("U_MIN")).kind, "accepted");
-  EXPECT_EQ(refusal(strong("supports { regions { low {} high { u: 0.3 } } kind: CLAMPED until_s: 0.5 }",
-                           kWing + "seams {}\n"))
-                .kind,
-            "accepted");
-}
-
 TEST(SupportsUntilATime, MayBeReleasedBesideATrimmedSeamAndOnIt) {
   const auto trimmed = [](const std::string& support) {
     std::string text = small_scene::kScene;

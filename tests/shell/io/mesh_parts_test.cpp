@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "shell/io/check.h"
-#include "shell/io/inspect_mesh.h"
 #include "shell/solver/parting/pieces.h"
 #include "tests/shell/io/mesh_scene.h"
 
@@ -384,17 +383,6 @@ TEST_F(MeshParts, PaintThatIsWrongIsRefused) {
               "points of 'a.obj' have no colours; export a PLY, OBJ or glTF file");
 }
 
-TEST_F(MeshParts, InspectTellsChartsAndWhatIsRefused) {
-  write("a.obj", ball(0.5, 8));
-  const std::string told = inspect_mesh_report(folder.path + "/a.obj", {0.08});
-  for (const char* part :
-       {"\"components\": 1", "\"borders\": 0", "\"shell\": \"part.2\"", "\"smooth\": 1", "\"refused\": null"})
-    expect_part(told, part);
-  expect_part(inspect_mesh_report(folder.path + "/a.obj", {1e-5}), "\"refused\": \"element_m is 1e-05 m");
-  EXPECT_TRUE(is_mesh_file("x/Y.STL"));
-  EXPECT_FALSE(is_mesh_file("x/y.step"));
-}
-
 TEST_F(MeshParts, AMeshWhoseUnitMayBeForgottenHasAWarning) {
   write("a.off", "OFF\n4 1 0\n0 0 0\n12 0 0\n12 6 0\n0 6 0\n4 0 1 2 3\n");
   const auto told = [&](const std::string& mesh) {
@@ -408,10 +396,6 @@ TEST_F(MeshParts, AMeshWhoseUnitMayBeForgottenHasAWarning) {
     EXPECT_EQ(told(fmt::format("path: 'a.off' element_m: {} unit_m: {}", unit == std::string("1") ? 0.5 : 0.05, unit))
                   .find("is taken in metres"),
               std::string::npos);
-  const std::string file = folder.path + "/a.off";
-  expect_part(inspect_mesh_report(file, {0.5}),
-              "\"warning\": \"'a.off' is taken in metres, 12 m long, as no --unit is");
-  expect_part(inspect_mesh_report(file, {0.5, 1.0, 0.0, true}), "\"warning\": null,\n \"thickness_m\"");
   EXPECT_EQ(unit_warning("a", 0.001, "unit_m"), "");
   EXPECT_EQ(unit_warning("a", 10.0, "unit_m"), "");
   expect_part(unit_warning("a", 0.0009, "unit_m"), "'a' is taken in metres, 0.0009 m long");

@@ -12,7 +12,7 @@ namespace {
 
 class NearPartsOfAFile : public MeshScene {};
 
-constexpr double kThickness = 0.01;  // of MeshScene [m]
+constexpr double kPartThickness = 0.01;  // of MeshScene [m]
 
 // A rectangle and a smaller one above it, `apart` [m], tilted so that only one corner is that near.
 std::string plates(double apart, double tilt = 0.0) {
@@ -30,7 +30,7 @@ TEST_F(NearPartsOfAFile, NearerThanTheirThicknessIsToldWithPlaceAndRemedy) {
   // The nearest Gauss point is within an element of the corner.
   EXPECT_GE(near[0].apart, 0.004 / std::sqrt(1.0 + 2 * 0.01 * 0.01) - 1e-9);  // along the tilted normal
   EXPECT_LT(near[0].apart, 0.004 + 0.01 * 0.2);
-  EXPECT_NEAR(near[0].thickness, kThickness, 1e-15);
+  EXPECT_NEAR(near[0].thickness, kPartThickness, 1e-15);
   EXPECT_LT((near[0].at.head<2>() - Vec2(0.3, 0.3)).norm(), 0.15);
   ASSERT_EQ(r.touching.size(), 1u);
   expect_part(r.touching[0], "shells 'pane.1' and 'pane.2' are 0.004");
@@ -40,7 +40,7 @@ TEST_F(NearPartsOfAFile, NearerThanTheirThicknessIsToldWithPlaceAndRemedy) {
 
 TEST_F(NearPartsOfAFile, TheRemedyIsOne) {
   write("a.obj", plates(0.004));
-  const double thinner = free_thickness(setup("path: 'a.obj' element_m: 0.1"), kThickness);
+  const double thinner = free_thickness(setup("path: 'a.obj' element_m: 0.1"), kPartThickness);
   EXPECT_NEAR(thinner, 0.9 * 0.004, 1e-9);
   RunSetup r = setup("path: 'a.obj' element_m: 0.1");
   for (ShellSetup& s : r.shells) s.model.thickness = thinner;
@@ -52,13 +52,13 @@ TEST_F(NearPartsOfAFile, WhatHasRoomIsNotNamed) {
   const RunSetup r = setup("path: 'a.obj' element_m: 0.1");
   EXPECT_EQ(r.shells.size(), 2u);
   EXPECT_TRUE(r.touching.empty());
-  EXPECT_EQ(free_thickness(r, kThickness), kThickness);
+  EXPECT_EQ(free_thickness(r, kPartThickness), kPartThickness);
 }
 
 TEST_F(NearPartsOfAFile, PartsThatTouchHaveNoThicknessThatHelps) {
   write("a.obj", plates(1e-5));
   const RunSetup r = setup("path: 'a.obj' element_m: 0.1");
-  EXPECT_EQ(free_thickness(r, kThickness), kThickness);
+  EXPECT_EQ(free_thickness(r, kPartThickness), kPartThickness);
   ASSERT_EQ(r.touching.size(), 1u);
   expect_part(r.touching[0], "contact parts them from the start; leave one of them out");
 }
