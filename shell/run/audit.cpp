@@ -14,6 +14,7 @@ namespace {
 constexpr double kLargestGain = 0.02;    // share of the largest energy: gain without a source, or energy missing
 constexpr double kLargestReturn = 0.05;  // share of the largest energy; larger, since released overlaps return a little
 constexpr double kUncertain = 0.1, kFrozen = 0.1;      // shares of the largest energy
+constexpr double kBeside = 0.01;                       // share of the largest energy
 constexpr double kAdded = 0.01;                        // share of the fracture energy
 constexpr double kLeastTaken = 0.7, kMostTaken = 1.5;  // share of the resistance of cracks
 constexpr double kMostRubble = 0.01;                   // share of the Gauss points
@@ -122,6 +123,14 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
         "there was is uncertain by it; shorten window_s, give coupling.adaptive_window, or take an engine "
         "that can do 'export_rows'",
         100.0 * share(audit.coupling)));
+  if (!audit.beside.empty() && share(audit.beside_energy) > kBeside)
+    out.push_back(
+        fmt::format("the shell was frozen at {:.4g} s while '{}' was beside it and moved with {:.2g} % of the energy "
+                    "there was. Since "
+                    "then they meet as rigid bodies, so its speed and the force on it are not those of a shell that "
+                    "gives way: trust "
+                    "them up to that time, or raise fracture.latest_freeze_s until it has left",
+                    audit.frozen_time, audit.beside, 100.0 * share(audit.beside_energy)));
   if (share(audit.frozen) > kFrozen)
     out.push_back(
         fmt::format("the shell was frozen while it still moved with {:.0f} % of the energy there was: raise "

@@ -41,6 +41,10 @@ struct Audit {
   double window_gap = 0.0;       // largest change of that energy in one window [J]
   double window_gap_time = 0.0;  // end of that window [s]
   double deforming = 0.0;        // most energy that shells and soft bodies had, or their books took [J]
+  // Name of a body that still moved beside the shell when it was frozen, its kinetic energy [J], and the time [s].
+  // Empty: none.
+  std::string beside{};
+  double beside_energy = 0.0, frozen_time = 0.0;
 };
 
 /// Returns the energy [J] that cracks should take by the material's fracture energy and their area. Only cracks that

@@ -80,13 +80,36 @@ void Books::close(Simulation& simulation, double energy, double time) {
   contact_returned = std::max(contact_returned, contact_taken - contact);
 }
 
+namespace {
+
+// Throws Error (unstable) that names the engine, and the body with most energy.
+[[noreturn]] void added_by_engine(const Simulation& simulation, double energy, std::int64_t window) {
+  std::string name;
+  double most = -1.0;
+  for (const Proxy& p : simulation.state.bodies)
+    if (const double own = p.body.is_static ? 0.0 : p.body.kinetic_energy(); own > most) most = own, name = p.body.name;
+  Error e(
+      Exit::kPhysics, "unstable",
+      fmt::format("window {}: the rigid engine has added {:.3g} J, and '{}' has most of the energy now: the engine is "
+                  "unstable or wrong; shorten window_s, or try it with 'sunder validate engines'",
+                  window, energy, name));
+  e.window = window, e.body = name;
+  throw e;
+}
+
+}  // namespace
+
 void Books::check_stable(Simulation& simulation, double energy, std::int64_t window) const {
   // plus one shell element at a strain of 1e-3: the scene may start at rest
   double least = simulation.soft_energy(1e-3);
   for (const ShellSetup& s : simulation.model.setup.shells)
     least += 5e-7 * s.model.material.youngs_modulus * s.model.largest_thickness() * s.model.spacing * s.model.spacing;
   const double most = kUnstableGain * (scale + std::abs(reference) + std::abs(sum(simulation).external) + least);
-  if (!(std::abs(energy - reference) <= most)) unstable(energy - reference, window);
+  const double gain = energy - reference;
+  if (std::abs(gain) <= most) return;
+  if (const double by_engine = -simulation.state.engine_loss; gain > 0.0 && by_engine > 0.5 * gain)
+    added_by_engine(simulation, by_engine, window);
+  unstable(gain, window);
 }
 
 void unstable(double energy, std::int64_t window) {
@@ -108,7 +131,9 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
   std::vector<std::string> out =
       audit_warnings({books.sum(simulation), books.scale, books.residual, books.contact_returned, coupling_residual,
                       books.frozen_kinetic, grid, keeps, books.crack_surface(simulation), rubble, books.largest_gap,
-                      books.window_gap, books.window_gap_time, books.deforming});
+                      books.window_gap, books.window_gap_time, books.deforming,
+                      books.frozen_beside < 0 ? "" : simulation.model.setup.bodies[books.frozen_beside].name,
+                      books.frozen_beside_energy, books.frozen_time});
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   if (const std::string whole = never_breaks(shells); !whole.empty()) out.insert(out.begin(), whole);
@@ -116,6 +141,8 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
     out.insert(out.begin(), late);
   const std::vector<std::string>& touching = simulation.model.setup.touching;
   out.insert(out.begin(), touching.begin(), touching.end());
+  const std::vector<std::string>& doubts = simulation.model.setup.doubts;
+  out.insert(out.begin(), doubts.begin(), doubts.end());
   return out;
 }
 

@@ -26,6 +26,10 @@ struct Books {
   double frozen_kinetic = 0.0;    // kinetic energy of the shells when they were frozen
   double frozen_length = 0.0;     // length of their cracks then [m]
   CrackSurface frozen_surface{};  // surface of their cracks then
+  // The body of the scene that was beside them then and moved with most energy, that energy [J], and the time [s]; -1:
+  // none.
+  int frozen_beside = -1;
+  double frozen_beside_energy = 0.0, frozen_time = 0.0;
 
   /// Sum of the books of all shells and soft bodies, frozen or not.
   EnergyBook sum(Simulation& simulation) const;

@@ -15,8 +15,10 @@ constexpr int kStiffnessEvery = 8;  // windows between two measurements of stiff
 // A body with a prescribed motion at speed v hits free bodies of mass m. An elastic impact on all of them takes at most
 // 2 m v from it; the margin is a factor of two. A larger loss in the engine means that it touches a body that does not
 // give way, directly or through a free body.
-constexpr double kGivesWay = 4.0;          // [free masses times the largest speed]
-constexpr double kUntouched = 1e-9;        // [largest speed]: round-off
+constexpr double kGivesWay = 4.0;    // [free masses times the largest speed]
+constexpr double kUntouched = 1e-9;  // [largest speed]: round-off
+// A body that another one hits is at most twice as fast as that one; the margin is a factor of two.
+constexpr double kLongestWay = 4.0;        // [largest speed times the window]
 constexpr int kHeavyEvery = 8;             // windows between two looks for heavy bodies on light ones
 constexpr int kHeldWindows = 64;           // windows for which a body counts as held by the engine, or stays exported
 constexpr std::int64_t kHeldAtFirst = 64;  // windows at the start in which every body counts as held
@@ -31,6 +33,20 @@ BodyMotion coasted(const RigidBody& body, const Vec3& gravity, double h) {
   b.drift(h);
   b.motion.velocity += 0.5 * h * gravity;
   return b.motion;
+}
+
+// Throws Error where the engine has moved a body further than any collision could: by more than `most` [m] and its own
+// size.
+void check_way(const link::Motion& from, const BodyMotion& to, const Proxy& body, double most) {
+  const double way = (to.position - from.motion.position).norm();
+  if (way <= most + 2.0 * body.radius()) return;
+  Error e(Exit::kPeerLost, "bad_message",
+          fmt::format(
+              "states[{}].position: '{}' has moved by {:.3g} m in the window, and at its speed it moves by {:.3g} m at "
+              "most; the engine gives another place than its own motion leads to",
+              body.body.id, body.body.name, way, most));
+  e.body = body.body.name;
+  throw e;
 }
 
 }  // namespace
@@ -270,6 +286,7 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
     const BodyMotion& now = states[k].motion;
     if (k < given.size() && p.is_free()) {
       const BodyMotion& then = given[k].motion;
+      check_way(starts_[k], now, p, kLongestWay * (fastest + now.velocity.norm()) * window);
       const Vec3 dv = now.velocity - then.velocity;
       const Vec3 dw = p.body.apply_inverse_inertia(now.angular_momentum - then.angular_momentum);
       // Work of the shell's impulses on the change of motion that the engine made.

@@ -100,12 +100,34 @@ std::string Pieces::cracking_has_ended(double last_push) {
   return "";
 }
 
+// Notes the body that moves with most energy within a spacing of what is about to freeze.
+void Pieces::note_body_beside(const std::vector<PartPieces>& now) {
+  books_.frozen_time = clock_.time();
+  for (std::size_t i = 0; i < setup_.bodies.size(); ++i) {
+    const Proxy& body = state_.bodies[i];
+    const double energy = 0.5 * body.body.mass * body.body.motion.velocity.squaredNorm();
+    if (body.body.is_static || body.is_driven() || energy <= books_.frozen_beside_energy) continue;
+    bool beside = false;
+    for (std::size_t k = 0; k < now.size() && !beside; ++k) {
+      const ShellModel& m = state_.shells[k].model();
+      const double reach = m.spacing + 0.5 * m.largest_thickness();
+      for (const Piece& p : now[k].pieces)
+        beside = beside ||
+                 (!p.handed_off && p.held && std::any_of(p.control_points.begin(), p.control_points.end(), [&](int c) {
+                   return body.distance(state_.shells[k].state->position(m.tables.slot(c))).value < reach;
+                 }));
+    }
+    if (beside) books_.frozen_beside = static_cast<int>(i), books_.frozen_beside_energy = energy;
+  }
+}
+
 std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
   std::vector<RigidBody> births = hand_off_pieces(true, dt);
   const double before = simulation_.total_energy(dt);
   books_.frozen_kinetic = 0.0, books_.frozen_length = books_.crack_length(simulation_),
   books_.frozen_surface = books_.crack_surface(simulation_);
   const std::vector<PartPieces> now = pieces_now(true, everywhere());
+  note_body_beside(now);
   std::set<BodyId> frozen_ids;
   for (std::size_t k = 0; k < state_.shells.size(); ++k) {
     const ShellModel& m = state_.shells[k].model();

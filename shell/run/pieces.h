@@ -101,6 +101,7 @@ class Pieces {
   bool strike_ahead(const std::vector<PartPieces>& now, const Group& group) const;
   bool impact_ahead() const;  // a body of the scene flies towards a shell
   bool impact_ahead(const ShellPart& part) const;
+  void note_body_beside(const std::vector<PartPieces>& now);
 
   const RunSetup& setup_;
   Simulation& simulation_;

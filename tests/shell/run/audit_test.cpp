@@ -94,6 +94,12 @@ TEST(Audit, WhatAWindowOrAFreezeLeavesOpenIsNamedWithItsRemedy) {
   a = sound(), a.frozen = 11.0;
   EXPECT_NE(said(a).find("11 %"), std::string::npos);
   EXPECT_NE(said(a).find("latest_freeze_s"), std::string::npos);
+  a = sound(), a.beside = "ball", a.beside_energy = 20.0, a.frozen_time = 2e-3;
+  EXPECT_NE(said(a).find("frozen at 0.002 s while 'ball' was beside it and moved with 20 % of the energy"),
+            std::string::npos);
+  EXPECT_NE(said(a).find("raise fracture.latest_freeze_s until it has left"), std::string::npos);
+  a.beside_energy = 0.5;  // it rests, or nearly
+  EXPECT_TRUE(audit_warnings(a).empty());
 }
 
 TEST(Audit, SaysWhereCracksTookMoreOrLessThanTheirAreaAsks) {
