@@ -67,10 +67,10 @@ RemoteRigid::RemoteRigid(std::unique_ptr<Transport> transport, const std::string
 std::vector<State> RemoteRigid::load(const World& world) {
   proto::Request& request = fresh_request();
   auto* load = request.mutable_load();
-  all_.clear(), moving_.clear();
+  all_.clear(), moving_.clear(), masses_.clear();
   for (const RigidBody& b : world.bodies) {
     *load->add_bodies() = encode(b), all_.insert(b.id);
-    if (!b.is_static) moving_.insert(b.id);
+    if (!b.is_static) moving_.insert(b.id), masses_[b.id] = b.mass;
   }
   for (const ContactLaw& law : world.laws) *load->add_contacts() = encode(law);
   for (const Joint& j : world.joints) *load->add_joints() = encode(j);
@@ -79,14 +79,7 @@ std::vector<State> RemoteRigid::load(const World& world) {
   const proto::Reply& reply = ask(request, kLoadSeconds, "Load");
   expect(reply.has_load(), "Load");
   const auto states = decode_states(reply.load().states(), moving_);
-  const double tolerance = peer_.can(capability::kDoublePrecision) ? 0.0 : 1e-6;
-  for (const RigidBody& b : world.bodies) {  // the other side must hold the masses that were sent
-    if (b.is_static) continue;
-    const auto state =  // decode_states has checked that there is one
-        std::lower_bound(states.begin(), states.end(), b.id, [](const State& s, BodyId id) { return s.id < id; });
-    if (std::abs(state->mass - b.mass) > tolerance * b.mass)
-      refuse(fmt::format("states[{}].mass: {} kg were loaded, {} kg came back", b.id, b.mass, state->mass));
-  }
+  check_masses(states);
   return states;
 }
 
@@ -117,13 +110,22 @@ std::vector<State> RemoteRigid::window(const WindowTask& task) {
   for (const std::uint32_t id : task.released) w->add_released(id);
   for (const RigidBody& b : task.births) {
     *w->add_births() = encode(b), all_.insert(b.id);
-    if (!b.is_static) moving_.insert(b.id);
+    if (!b.is_static) moving_.insert(b.id), masses_[b.id] = b.mass;
   }
   const proto::Reply& reply = ask(request, kNone, "Window");
   expect(reply.has_window(), "Window");
   if (reply.window().tick() != task.tick + task.ticks)
     refuse(fmt::format("the rigid process is at tick {}, expected {}", reply.window().tick(), task.tick + task.ticks));
-  return decode_states(reply.window().states(), moving_);
+  auto states = decode_states(reply.window().states(), moving_);
+  check_masses(states);
+  return states;
+}
+
+void RemoteRigid::check_masses(const std::vector<State>& states) const {
+  const double tolerance = peer_.can(capability::kDoublePrecision) ? 0.0 : 1e-6;
+  for (const State& s : states)
+    if (const double sent = masses_.at(s.id); std::abs(s.mass - sent) > tolerance * sent)
+      refuse(fmt::format("states[{}].mass: {} kg were loaded, {} kg came back", s.id, sent, s.mass));
 }
 
 std::vector<State> RemoteRigid::add_bodies(const std::vector<RigidBody>& bodies) {
@@ -132,7 +134,7 @@ std::vector<State> RemoteRigid::add_bodies(const std::vector<RigidBody>& bodies)
   BodyIds expected;
   for (const RigidBody& b : bodies) {
     *request.mutable_add_bodies()->add_bodies() = encode(b), all_.insert(b.id);
-    if (!b.is_static) moving_.insert(b.id), expected.insert(b.id);
+    if (!b.is_static) moving_.insert(b.id), expected.insert(b.id), masses_[b.id] = b.mass;
   }
   const proto::Reply& reply = ask(request, kLookSeconds, "AddBodies");
   expect(reply.has_add_bodies(), "AddBodies");

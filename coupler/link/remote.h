@@ -1,7 +1,10 @@
 #pragma once
 // The rigid side behind a transport of messages.
 #include <functional>
+#include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "coupler/core/body_ids.h"
 #include "coupler/link/message_memory.h"
@@ -42,13 +45,16 @@ class RemoteRigid final : public RigidLink {
   proto::Request& fresh_request();
   /// Sends the request and returns the reply, which lives as long as the request.
   proto::Reply& ask(proto::Request& request, double deadline_s, const char* what);
-
   std::unique_ptr<Transport> transport_;
   std::function<void(const TimedReply&)> heard_;
   EngineInfo peer_;
   std::uint64_t sequence_ = 0;
   MessageMemory memory_;
-  BodyIds all_, moving_;  // bodies that the engine holds
+  /// Throws Error where a body has another mass than the one that was sent.
+  void check_masses(const std::vector<State>& states) const;
+
+  BodyIds all_, moving_;             // bodies that the engine holds
+  std::map<BodyId, double> masses_;  // of those that move [kg]
 };
 
 }  // namespace sunder::link

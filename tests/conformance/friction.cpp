@@ -17,6 +17,8 @@ constexpr double kSlideTolerance = 0.03;
 // Angular momentum about a line in the floor is kept at any friction. The remaining error is that of the radius, by the
 // gap of the contact: 0.1 mm of 50 mm.
 constexpr double kRollTolerance = 2e-3;
+// Of a steady motion; the gap of the contact makes the arm of friction longer by 0.2 %.
+constexpr double kSlipTolerance = 0.01;
 
 struct Slid {
   double distance, acceleration;
@@ -62,6 +64,26 @@ void roll(Suite& s) {
   play.end();
 }
 
+// A sphere rolls down a slope without slip as long as tan(angle) <= 7/2 friction. This one is steeper, so friction is
+// at its bound all the way, and takes the slope's own normal.
+void slip(Suite& s) {
+  constexpr double radius = 0.05, friction = 0.3, azimuth = 30.0 * EIGEN_PI / 180.0, angle = 55.0 * EIGEN_PI / 180.0;
+  const Quat slope = tilt(angle, azimuth);
+  const Vec3 down = slope * Vec3(std::cos(azimuth), std::sin(azimuth), 0.0), normal = slope * Vec3::UnitZ();
+  Play play(s.target,
+            {{{half_space(1, slope), at(sphere(2, radius), radius * normal)}, law(friction, 0.0), {}}, gravity()});
+  play.run(0.1);
+  const RigidBody start = play.body(2);
+  play.run(0.2);
+  const RigidBody end = play.body(2);
+  play.end();
+  s.report.check("acceleration", (end.motion.velocity - start.motion.velocity).dot(down) / 0.2,
+                 kGravity * (std::sin(angle) - friction * std::cos(angle)), kSlipTolerance, "along the slope [m/s^2]");
+  s.report.check("spin", (end.angular_velocity() - start.angular_velocity()).dot(normal.cross(down)) * radius / 0.2,
+                 2.5 * friction * kGravity * std::cos(angle), kSlipTolerance,
+                 "angular acceleration times the radius [m/s^2]: by friction alone");
+}
+
 }  // namespace
 
 std::vector<Case> friction_cases() {
@@ -71,6 +93,10 @@ std::vector<Case> friction_cases() {
        "a sliding sphere comes to roll with 5/7 of its speed",
        {kSpheres, kHalfSpaces, kContact, kFriction},
        roll},
+      {"slipping",
+       "a sphere slips down a steep slope, whose friction spins it",
+       {kSpheres, kHalfSpaces, kContact, kFriction},
+       slip},
   };
 }
 

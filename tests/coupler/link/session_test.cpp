@@ -12,6 +12,7 @@
 #include "coupler/link/remote.h"
 #include "coupler/link/session.h"
 #include "rigid/engine/free_flight.h"
+#include "tests/coupler/altered_engine.h"
 #include "tests/temporary_folder.h"
 
 using namespace sunder;
@@ -33,11 +34,11 @@ struct Served {
   std::string endpoint, said;
   rigid::FreeFlight engine;
   std::thread thread;
-  Served() {
+  explicit Served(Engine* other = nullptr) {
     endpoint = "ipc://" + folder.path + "/socket";
-    thread = std::thread([this] {
+    thread = std::thread([this, other] {
       try {
-        serve(endpoint, engine);
+        serve(endpoint, other ? *other : engine);
       } catch (const Error& e) {
         said = e.kind + ": " + e.what();
       }
@@ -193,6 +194,25 @@ TEST(Session, AClientThatFailsReportsWhy) {
     server.thread.join();
   }
   EXPECT_NE(server.said.find("the energy is nan"), std::string::npos) << server.said;
+}
+
+TEST(Session, RefusesAnotherMassThanTheOneThatWasLoaded) {
+  AlteredEngine heavier([](std::vector<State>& states) { states[0].mass *= 1.1; });
+  Served server(&heavier);
+  {
+    RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint), "scene");
+    client.load({{falling_ball()}, {}, {}});
+    try {
+      client.window({0, 2, 1e-3, {{1, falling_ball().motion}}, {}, {}});
+      ADD_FAILURE() << "believed";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind, "bad_message");
+      EXPECT_NE(std::string(e.what()).find("states[1].mass: 2 kg were loaded, 2.2 kg came back"), std::string::npos)
+          << e.what();
+      client.abort(e.kind, e.what());
+    }
+  }
+  server.thread.join();
 }
 
 TEST(EngineHost, RefusesStatesThatAreNotFinite) {
