@@ -214,6 +214,8 @@ EXPERIMENTS = {"shells": (
                _later("stars", "stars")),
     Experiment("impact_speed", "radial cracks against speed (Vandenberghe, Vermorel, Villermaux 2013)",
                _later("impacts", "impact_speed")),
+    Experiment("impact_speed_plates", "the same of glass, and of plates twice as thick",
+               _later("impacts", "impact_speed_plates")),
     Experiment("refinement", "cracks and residual speed on three grids", _later("impacts", "refinement")),
     Experiment("snapped", "pieces of a plate that cracks as its fracture energy asks, on three grids: how many, how large",
                _later("impacts", "snapped")),

@@ -22,7 +22,7 @@ from sunder_tools.pictures.meshes import reference_points
 from sunder_tools.report.run_json import read_run
 
 from .crack_pictures import draw_cracks
-from .patterns import (anova, chance_of_distance, distance, harmonic, lengths, off_circle, power_law, quantile_bounds,
+from .patterns import (PowerLaw, anova, chance_of_distance, distance, harmonic, lengths, off_circle, power_law, quantile_bounds,
                        upper_bound)
 from .trials import MOST_MISSING, Table, kept_run
 
@@ -127,38 +127,68 @@ def round_pane(table: Table, executables: Executables) -> None:
         draw_cracks(table.pictures / "round_pane.png", rows, (ROUND, ROUND), names=[f"turned by {d}°" for d in TURNS])
 
 
-def impact_speed(table: Table, executables: Executables) -> None:
-    """Runs scenes/acrylic.textproto at seven speeds over a factor of eight, SEEDS seeds each."""
+@dataclass(frozen=True)
+class Radials:
+    """Radial cracks of a plate that a pellet hits: numbers, cracks and residuals at each speed."""
+    counts: dict[int, list[int]]
+    graphs: list[list[Graph | None]]
+    residuals: list[float]
+    seconds: float
+
+    def mean(self, speed: int) -> float:
+        return float(np.mean(self.counts[speed]))
+
+    def crossed(self, speed: int) -> bool:
+        """Whether most runs have a radial crack."""
+        return 2 * sum(c > 0 for c in self.counts[speed]) >= len(self.counts[speed])
+
+    def fit(self, most: float = math.inf) -> PowerLaw:
+        """The power law of runs with radial cracks up to a speed [m/s], without speeds at which most runs have none."""
+        pairs = [(float(speed), float(count)) for speed, counts in self.counts.items()
+                 if speed <= most and self.crossed(speed) for count in counts if count > 0]
+        return power_law(np.array([x for x, _ in pairs]), np.array([y for _, y in pairs]))
+
+    def most_at(self) -> int:
+        """The speed with most cracks: at higher ones rings cut a plug out before radial cracks run."""
+        return max(self.counts, key=lambda speed: (self.mean(speed), speed))
+
+
+def _radials(table: Table, executables: Executables, name: str, settings: list[str], speeds: tuple[int, ...], seeds: int,
+             counted_at: float = COUNTED_AT) -> Radials:
+    """Runs scenes/acrylic.textproto with these settings at each speed, so many seeds each."""
     centre = np.array([0.5 * SIDE, 0.5 * SIDE])
-    means, errors, rows, x, y, residuals, seconds = {}, {}, [], [], [], [], 0.0
-    for speed in SPEEDS:
-        counts, row = [], []
-        for seed in range(1, SEEDS + 1):
+    counts: dict[int, list[int]] = {}
+    graphs: list[list[Graph | None]] = []
+    residuals: list[float] = []
+    seconds = 0.0
+    for speed in speeds:
+        counts[speed], row = [], []
+        for seed in range(1, seeds + 1):
             graph, run, _, took = _struck(executables, "acrylic.textproto", seed, [
-                f"bodies[pellet].twist.linear.z=-{speed}"]
+                f"bodies[pellet].twist.linear.z=-{speed}", *settings]
                 + [f"shells[plate].plate.elements_{axis}={ELEMENTS}" for axis in "xy"])
             seconds += took
             residuals.append(run["energy"]["residual_relative"])
             row.append(graph)
-            counts.append(0 if graph is None else len(radial_crossings(graph.ends, centre, COUNTED_AT)))
-        rows.append(row)
-        means[speed], errors[speed] = float(np.mean(counts)), _bar(counts)
-        crossed = sum(c > 0 for c in counts) >= SEEDS // 2
-        table.lines.append(f"impact_speed {speed} m/s: {means[speed]:.1f} radial cracks, "
-                           f"{' '.join(map(str, counts))}" + ("" if crossed else "; left out, in most runs none"))
-        if crossed:
-            for count in counts:
-                if count > 0:
-                    x.append(float(speed)), y.append(float(count))
-    every = power_law(np.array(x), np.array(y))
-    # at higher speeds rings cut a plug out before radial cracks run
-    most = max(SPEEDS, key=lambda speed: (means[speed], speed))
-    rising = np.array(x) <= most
-    fit = power_law(np.array(x)[rising], np.array(y)[rising])
-    table.add("impact_speed_exponent", fit.exponent, 0.5, 0.2, seconds)
+            counts[speed].append(0 if graph is None else len(radial_crossings(graph.ends, centre, counted_at)))
+        graphs.append(row)
+        found = Radials(counts, graphs, residuals, seconds)
+        table.lines.append(f"{name} {speed} m/s: {found.mean(speed):.1f} radial cracks, {' '.join(map(str, counts[speed]))}"
+                           + ("" if found.crossed(speed) else "; left out, in most runs none"))
+    return found
+
+
+def impact_speed(table: Table, executables: Executables) -> None:
+    """Runs scenes/acrylic.textproto at seven speeds over a factor of eight, SEEDS seeds each."""
+    found = _radials(table, executables, "impact_speed", [], SPEEDS, SEEDS)
+    means = {speed: found.mean(speed) for speed in SPEEDS}
+    errors = {speed: _bar(found.counts[speed]) for speed in SPEEDS}
+    every, most = found.fit(), found.most_at()
+    fit = found.fit(most)
+    table.add("impact_speed_exponent", fit.exponent, 0.5, 0.2, found.seconds)
     table.add("impact_speed_at_22", means[22], 4.0, 0.25, 0.0)
     table.add("impact_speed_at_57", means[57], 8.0, 0.25, 0.0)
-    _add_energy(table, "impact_speed", residuals)
+    _add_energy(table, "impact_speed", found.residuals)
     table.lines.append(f"impact_speed: exponent up to {most} m/s, where cracks are most, {fit.exponent:.2f}, +- "
                        f"{fit.half:.2f} (95 %); over all speeds {every.exponent:.2f}, +- {every.half:.2f}; published 0.5, "
                        f"4 cracks at 22 m/s and 8 at 57 (Vandenberghe, Vermorel, Villermaux 2013), {BETWEEN_PUBLISHED:.2f} "
@@ -171,7 +201,36 @@ def impact_speed(table: Table, executables: Executables) -> None:
     table.curves.append({"name": "square root", "x": [float(s) for s in SPEEDS],
                          "y": [4.0 * 2.0 ** 0.5 * (s * s / (22.0 * 57.0)) ** 0.25 for s in SPEEDS], **axes})
     if table.pictures is not None:
-        draw_cracks(table.pictures / "impact_speed.png", rows, (SIDE, SIDE), names=[f"{speed} m/s" for speed in SPEEDS])
+        draw_cracks(table.pictures / "impact_speed.png", found.graphs, (SIDE, SIDE),
+                    names=[f"{speed} m/s" for speed in SPEEDS])
+
+
+GLASS = ("density=2500", "youngs_modulus=70e9", "poisson_ratio=0.22", "strength=60e6", "fracture_energy=8")
+OTHER_PLATES = {  # name: settings, and where cracks are counted, four thicknesses from the impact [m]
+    "acrylic_2mm": (["shells[plate].thickness_m=2e-3", "bodies[pellet].pose.position.z=0.00301"], 8e-3),
+    "glass_1mm": ([f"materials[acrylic].{field}" for field in GLASS], 4e-3),
+    "glass_2mm": ([f"materials[acrylic].{field}" for field in GLASS]
+                  + ["shells[plate].thickness_m=2e-3", "bodies[pellet].pose.position.z=0.00301"], 8e-3),
+}
+OTHER_SPEEDS, OTHER_SEEDS = (15, 22, 40, 57, 80), 8
+
+
+def impact_speed_plates(table: Table, executables: Executables) -> None:
+    """The same of glass, and of plates twice as thick: the exponent only, since nobody has published their numbers."""
+    for name, (settings, counted_at) in OTHER_PLATES.items():
+        found = _radials(table, executables, f"impact_speed_plates {name}", settings, OTHER_SPEEDS, OTHER_SEEDS, counted_at)
+        try:
+            fit, most = found.fit(found.most_at()), found.most_at()
+        except ValueError as error:
+            table.lines.append(f"impact_speed_plates {name}: {error}")
+            table.add(f"impact_speed_{name}_exponent", math.nan, 0.5, 0.2, found.seconds)
+            continue
+        table.add(f"impact_speed_{name}_exponent", fit.exponent, 0.5, 0.2, found.seconds)
+        _add_energy(table, f"impact_speed_{name}", found.residuals)
+        table.lines.append(f"impact_speed_plates {name}: exponent up to {most} m/s {fit.exponent:.2f}, +- {fit.half:.2f} (95 %)")
+        if table.pictures is not None:
+            draw_cracks(table.pictures / f"impact_speed_{name}.png", found.graphs, (SIDE, SIDE),
+                        names=[f"{speed} m/s" for speed in OTHER_SPEEDS])
 
 
 def _add_equivalence(table: Table, name: str, of: list[list[float]], margin: float, seconds: float) -> list[float]:
