@@ -13,6 +13,8 @@ namespace {
 constexpr double kHelloSeconds = 120.0, kLoadSeconds = 120.0, kByeSeconds = 120.0, kNone = 0.0;
 // Deadline of requests that move no body [s].
 constexpr double kLookSeconds = 120.0;
+// Round-off of a mass [-]: an engine may keep its inverse.
+constexpr double kMassDouble = 1e-14, kMassSingle = 1e-6;
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // plausible times of the other side's clock
 
 void expect(bool right_kind, const char* request) {
@@ -122,7 +124,7 @@ std::vector<State> RemoteRigid::window(const WindowTask& task) {
 }
 
 void RemoteRigid::check_masses(const std::vector<State>& states) const {
-  const double tolerance = peer_.can(capability::kDoublePrecision) ? 0.0 : 1e-6;
+  const double tolerance = peer_.can(capability::kDoublePrecision) ? kMassDouble : kMassSingle;
   for (const State& s : states)
     if (const double sent = masses_.at(s.id); std::abs(s.mass - sent) > tolerance * sent)
       refuse(fmt::format("states[{}].mass: {} kg were loaded, {} kg came back", s.id, sent, s.mass));
