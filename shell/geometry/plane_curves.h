@@ -32,9 +32,10 @@ constexpr double kSag = 0.01;
 /// Samples a curve densely: about sixteen points for each `spacing` [m], within fixed limits.
 std::vector<Vec2> fine_points(const PlaneCurve& curve, double spacing);
 
-/// Divides a curve into edges of at most 0.9 `spacing` [m]. Edges are shorter, down to half a spacing, where the curve
-/// bends: a chord then stays within a hundredth of a spacing of the curve, as far as that limit allows. A closed curve
-/// has at least eight edges, and its last point equals its first exactly.
+/// Divides a curve into a whole number of edges of 0.9 `spacing` [m] or a little more; below two of these the whole
+/// curve is one edge. Edges are shorter, down to half a spacing, where the curve bends: a chord then stays within a
+/// hundredth of a spacing of the curve, as far as that limit allows. A closed curve has at least eight edges, and its
+/// last point equals its first exactly.
 std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing);
 /// The same as parameters of the curve, from 0 to 1.
 std::vector<double> crack_parameters(const PlaneCurve& curve, double spacing);

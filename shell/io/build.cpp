@@ -9,7 +9,7 @@
 
 #include "coupler/core/principal_axes.h"
 #include "coupler/scene/mesh.h"
-#include "coupler/scene/unit_doubts.h"
+#include "coupler/scene/unit_warnings.h"
 #include "shell/contact/proxy.h"
 #include "shell/geometry/parameter_place.h"
 #include "shell/io/build_driven.h"
@@ -432,7 +432,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   const proto::Scene& m = scene.message;
   RunSetup r;
   set_times(m, r);
-  r.doubts = scene::unit_doubts(m);
+  r.unit_warnings = scene::unit_warnings(m);
   Groups groups;
   CadFiles files;
   const std::vector<ScenePart> parts = scene_parts(scene, files);

@@ -55,11 +55,11 @@ struct RunSetup {
   Vec3 gravity = Vec3::Zero();
   std::vector<ShellSetup> shells;
   std::vector<SoftSetup> soft;
-  Stitches stitches;                  // seams between the shells
-  std::vector<std::string> touching;  // warnings of meshes that touch themselves in points
-  std::vector<std::string> doubts;    // values that look as if they were given in another unit
-  bool shells_meet = false;           // shells may touch one another, or a shell itself
-  double fibre_spacing = 0.0;         // spacing of the fibres' grid [m]; 0: no shell has fibres that could touch others
+  Stitches stitches;                       // seams between the shells
+  std::vector<std::string> touching;       // warnings of meshes that touch themselves in points
+  std::vector<std::string> unit_warnings;  // values that look as if they were given in another unit
+  bool shells_meet = false;                // shells may touch one another, or a shell itself
+  double fibre_spacing = 0.0;  // spacing of the fibres' grid [m]; 0: no shell has fibres that could touch others
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
   std::vector<std::shared_ptr<const DrivenMotion>> driven;  // of each body; null: impulses move it. Empty: of none

@@ -147,7 +147,7 @@ std::string mesh_warnings(const scene::LoadedScene& scene, const RunSetup& setup
 
 std::string warning_lines(const scene::LoadedScene& scene, const RunSetup& setup) {
   std::string out = mesh_warnings(scene, setup);
-  for (const std::string& doubt : setup.doubts) out += "warning        " + doubt + "\n";
+  for (const std::string& warning : setup.unit_warnings) out += "warning        " + warning + "\n";
   for (const std::string& warning : setup.touching) out += "warning        " + warning + "\n";
   for (const std::string& warning : {too_thick(setup.shells, setup.stitches.seams),
                                      sampling_gap_warning(setup.shells, setup.bodies), never_breaks(setup.shells)})

@@ -141,8 +141,8 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
     out.insert(out.begin(), late);
   const std::vector<std::string>& touching = simulation.model.setup.touching;
   out.insert(out.begin(), touching.begin(), touching.end());
-  const std::vector<std::string>& doubts = simulation.model.setup.doubts;
-  out.insert(out.begin(), doubts.begin(), doubts.end());
+  const std::vector<std::string>& unit_warnings = simulation.model.setup.unit_warnings;
+  out.insert(out.begin(), unit_warnings.begin(), unit_warnings.end());
   return out;
 }
 

@@ -9,7 +9,7 @@
 
 #include "coupler/core/command_line.h"
 #include "coupler/scene/load.h"
-#include "coupler/scene/unit_doubts.h"
+#include "coupler/scene/unit_warnings.h"
 #include "shell/io/check.h"
 #include "shell/run/modes_run.h"
 
@@ -33,8 +33,8 @@ const CLI::Validator kPositive(
     },
     "POSITIVE");
 
-// `doubts` are those about the scene's units, once it is read.
-int run(const Program& program, int argc, char** argv, std::vector<std::string>& doubts) {
+// `unit_warnings` are those about the scene's units, once it is read.
+int run(const Program& program, int argc, char** argv, std::vector<std::string>& unit_warnings) {
   std::string scene_path, where;
   std::vector<std::string> settings;
   RunOptions options;
@@ -84,7 +84,7 @@ int run(const Program& program, int argc, char** argv, std::vector<std::string>&
   if (die_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
   options.threads = static_cast<int>(std::clamp(threads, 1.0, kMostUsefulThreads));
   const auto scene = scene::load(scene_path, settings);
-  doubts = scene::unit_doubts(scene.message);
+  unit_warnings = scene::unit_warnings(scene.message);
   RunSetup setup = build(scene);
   require(options.until <= 0.0 || options.until >= setup.window, "--until {}: less than one window of {} s",
           options.until, setup.window);
@@ -127,13 +127,13 @@ int run(const Program& program, int argc, char** argv, std::vector<std::string>&
 }  // namespace
 
 int run_program(const Program& program, int argc, char** argv) {
-  std::vector<std::string> doubts;
+  std::vector<std::string> unit_warnings;
   try {
-    return run(program, argc, argv, doubts);
+    return run(program, argc, argv, unit_warnings);
   } catch (const Error& e) {
-    const bool by_scene = e.status == Exit::kBadInput && !doubts.empty();
+    const bool by_scene = e.status == Exit::kBadInput && !unit_warnings.empty();
     fmt::print(stderr, "{}: {}: {}{}\n", program.name, e.kind, e.what(),
-               by_scene ? fmt::format(". Look at the units first: {}", fmt::join(doubts, "; ")) : "");
+               by_scene ? fmt::format(". Look at the units first: {}", fmt::join(unit_warnings, "; ")) : "");
     return static_cast<int>(e.status);
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}: {}\n", program.name, e.what());

@@ -1,4 +1,4 @@
-#include "coupler/scene/unit_doubts.h"
+#include "coupler/scene/unit_warnings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +49,7 @@ void of_plate(const proto::Shell& s, const std::string& field, std::vector<std::
 
 }  // namespace
 
-std::vector<std::string> unit_doubts(const proto::Scene& scene) {
+std::vector<std::string> unit_warnings(const proto::Scene& scene) {
   std::vector<std::string> out;
   for (int i = 0; i < scene.materials_size(); ++i)
     of_material(scene.materials(i), fmt::format("materials[{}]", scene.materials(i).name()), out);

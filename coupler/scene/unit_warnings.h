@@ -8,6 +8,6 @@
 namespace sunder::scene {
 
 /// Returns a sentence for each such value: field, value, and what it would be. None is an error by itself.
-std::vector<std::string> unit_doubts(const proto::Scene& scene);
+std::vector<std::string> unit_warnings(const proto::Scene& scene);
 
 }  // namespace sunder::scene

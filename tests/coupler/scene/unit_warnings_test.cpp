@@ -1,5 +1,5 @@
 // Values that look as if they were given in another unit.
-#include "coupler/scene/unit_doubts.h"
+#include "coupler/scene/unit_warnings.h"
 
 #include "tests/coupler/small_scene.h"
 
@@ -10,21 +10,21 @@ using small_scene::replaced;
 
 namespace {
 
-std::vector<std::string> doubts_of(const std::string& text) {
-  const std::string path = own_file("unit_doubts_test.textproto");
+std::vector<std::string> warnings_of(const std::string& text) {
+  const std::string path = own_file("unit_warnings_test.textproto");
   std::ofstream(path) << text;
   const LoadedScene scene = load(path, {});
   std::remove(path.c_str());
-  return unit_doubts(scene.message);
+  return unit_warnings(scene.message);
 }
 
-void expect_one(const std::string& text, const std::string& says) { EXPECT_EQ(doubts_of(text), std::vector{says}); }
+void expect_one(const std::string& text, const std::string& says) { EXPECT_EQ(warnings_of(text), std::vector{says}); }
 
 }  // namespace
 
-TEST(UnitDoubts, ASoundSceneHasNone) { EXPECT_TRUE(doubts_of(kScene).empty()); }
+TEST(UnitWarnings, ASoundSceneHasNone) { EXPECT_TRUE(warnings_of(kScene).empty()); }
 
-TEST(UnitDoubts, NameTheFieldTheValueAndWhatItWouldBe) {
+TEST(UnitWarnings, NameTheFieldTheValueAndWhatItWouldBe) {
   expect_one(replaced("70e9", "70"), "materials[glass].youngs_modulus is 70 Pa, softer than a gel; 70 GPa are 7e+10");
   expect_one(replaced("70e9", "70e3 strength: 6e7 fracture_energy: 8"),
              "materials[glass].strength is 6e+07 Pa, and youngs_modulus 70000 Pa; 70000 MPa are 7e+10");
@@ -44,11 +44,11 @@ TEST(UnitDoubts, NameTheFieldTheValueAndWhatItWouldBe) {
 }
 
 // What people do break is below the limits: rubber, cloth of the paper, foam, steel shot.
-TEST(UnitDoubts, SoftAndStrongMaterialsAreNone) {
+TEST(UnitWarnings, SoftAndStrongMaterialsAreNone) {
   for (const char* material :
        {"density: 1100 youngs_modulus: 1e6 poisson_ratio: 0.45 strength: 2e7 fracture_energy: 1e4",
         "density: 20 youngs_modulus: 3.2e3 poisson_ratio: 0.3 strength: 5e2 fracture_energy: 1",
         "density: 7800 youngs_modulus: 2.1e11 poisson_ratio: 0.3 strength: 2e9 fracture_energy: 1e5"})
-    EXPECT_TRUE(doubts_of(replaced("density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22", material)).empty())
+    EXPECT_TRUE(warnings_of(replaced("density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22", material)).empty())
         << material;
 }
