@@ -29,7 +29,6 @@ SKY = ((0.0, (0.20, 0.22, 0.25)), (0.10, (0.62, 0.66, 0.70)), (0.28, (0.30, 0.36
        (0.80, (1.1, 1.1, 1.08)))
 BRIGHTEST = 4.0       # of light that comes by glass or metal: single grains brighter than that would not average out
 EDGE_DEPTH = 0.6      # power of its colour that an edge of glass has
-CLEAREST = 0.12       # share of its colour that a sheet of glass has where it is looked through
 EXPOSURE = -0.55      # [stops]
 LEVEL = 1e-3          # [of the size of the scene] within which a body that is flat lies on the ground
 
@@ -72,20 +71,20 @@ def main() -> None:
 
 
 def _dress(material: Any, looks: dict[str, dict[str, Any]]) -> None:
-    """Gives a material the look of the scene's material whose name it begins with. One that the scene does not name is plain, in
-    the colour that it has."""
+    """Gives a material the look of the scene's material whose name it begins with. One that the scene does not name keeps
+    the look that the add-on gave it."""
     tree = material.node_tree
     shader = next((node for node in tree.nodes if node.type == "BSDF_PRINCIPLED"), None) if tree is not None else None
     if shader is None:
         return
     names = [name for name in looks if material.name == name or material.name.startswith(f"{name}_")]
     if not names:
-        _put(shader, {"Roughness": 0.45, "Specular": 0.4, "Specular IOR Level": 0.4})
+        _put(shader, {"Specular": 0.4, "Specular IOR Level": 0.4})
         return
     look = looks[max(names, key=len)]
     kind, colour, rough = look["kind"], (*look["colour"], 1.0), look["roughness"]
     if kind == "glass":
-        clear = tuple(1.0 - CLEAREST * (1.0 - c) for c in colour)
+        clear = (*sunder_run.clear_colour(look["colour"]), 1.0)
         _put(shader, {"Transmission": 1.0, "Transmission Weight": 1.0, "Roughness": rough, "IOR": 1.52, "Base Color": clear})
         if material.name.endswith("_edge"):  # light that has gone through the sheet lengthwise is coloured, and scattered
             _put(shader, {"Base Color": tuple(c ** EDGE_DEPTH for c in colour), "Roughness": 0.3, "Transmission": 0.6,

@@ -1,9 +1,9 @@
 """Blender add-on: File > Import > Sunder run. Reads a run folder into named objects with keyframes.
 
 An empty for each piece (pane_piece_17) and body, with its place over time, in a collection for its shell; meshes under it,
-with shape keys where they bend, material slots outside, inside and edge, a UV map of the shell's parameters, and attributes
-`rest_position`, `damage` and `run_velocity` [m/s]. Crack lines are edges with an attribute `born`, in film frames. Sizes are
-metres, z is up, frame 0 is the first of the run.
+with shape keys where they bend, material slots (glass_outside, glass_inside and glass_edge of sheets of glass), a UV map of the
+shell's parameters, and attributes `rest_position`, `damage` and `run_velocity` [m/s]. Crack lines are edges with an attribute
+`born`, in film frames. Sizes are metres, z is up, frame 0 is the first of the run.
 
 The reader is the project's (sunder_tools.pictures), found in the checkout that holds this file, in the folder that the
 preferences of the add-on name, or where `pip install` has put it. It needs numpy only, which Blender has.
@@ -13,7 +13,7 @@ from __future__ import annotations
 import importlib
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Sequence
 
 import bpy
 import numpy as np
@@ -24,34 +24,45 @@ bl_info = {"name": "Sunder run", "author": "The Sunder developers", "version": (
 
 LINEAR, CONSTANT = 1, 0  # interpolation of keyframes, as foreach_set takes it
 TURN = 0.02              # [rad] between two keys of a rotation: its third power, some 1e-7 rad, is the error half way
-CLEAR_OPACITY = 1.0      # below it a material lets light through
+LEAST_FPS, MOST_FPS = 1e-3, 1e3  # as `sunder export` has them
+CLEAREST = 0.12          # share of its colour that a sheet of glass has where it is looked through
 
 
 def _find_reader(folder: str) -> None:
-    """Puts the project's Python on the path. Raises ImportError that says what to do."""
-    for place in (Path(folder) if folder else None, Path(__file__).resolve().parents[1]):
-        if place is not None and (place / "sunder_tools" / "pictures" / "story.py").is_file() and str(place) not in sys.path:
+    """Puts the project's Python on the path; `folder` may be the checkout too. Raises ImportError that says what to do."""
+    named = Path(bpy.path.abspath(folder)) if folder else None
+    tried = [*([named, named / "coupler"] if named is not None else []), Path(__file__).resolve().parents[1]]
+    for place in tried:
+        if (place / "sunder_tools" / "pictures" / "story.py").is_file() and str(place) not in sys.path:
             sys.path.insert(0, str(place))
     try:
         importlib.import_module("sunder_tools.pictures.story")
     except ImportError as error:
-        raise ImportError(f"the folder 'coupler' of a checkout of Sunder is not found ({error}); name it in the preferences of "
-                          "the add-on") from None
+        raise ImportError(f"no reader of runs in {' or '.join(map(str, tried))} ({error}); name the folder 'coupler' of a checkout "
+                          f"of Sunder in the preferences of the add-on, where {named or 'nothing'} is named") from None
 
 
 def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = False, reader: str = "") -> list[Any]:
     """Imports a run folder into the present scene; returns the objects of its pieces and bodies.
 
-    `speed` says how fast time runs; 0: each frame of the run is a frame here. Raises ImportError, OSError, and CommandError
-    or VtpError of the reader.
+    `speed` says how fast time runs; 0: each frame of the run is a frame here. Raises ImportError, OSError, ValueError, and
+    CommandError or VtpError of the reader.
     """
+    if not 0.0 <= speed < float("inf"):
+        raise ValueError(f"speed is {speed:g}, must be above 0, such as 0.1 for a second in ten, or 0: a frame of the run is one here")
+    if not LEAST_FPS <= fps <= MOST_FPS:
+        raise ValueError(f"fps is {fps:g}, must be {LEAST_FPS:g} to {MOST_FPS:g}; 24 is usual")
     _find_reader(reader)
     from sunder_tools.pictures.between import key_frames
     from sunder_tools.pictures.frames import list_frames
     from sunder_tools.pictures.look import origins
     from sunder_tools.pictures.story import story_of
+    from sunder_tools.report.run_folder import not_a_run
     from sunder_tools.report.scene_text import known_words
-    run = Path(folder)
+    run = Path(bpy.path.abspath(folder))
+    wrong = not_a_run(run)
+    if wrong:
+        raise ValueError(wrong)
     frames, times = key_frames(list_frames(run), fps, speed or None)
     words = known_words(run, "import")
     things = story_of(frames, words, origins(run, words), middle)
@@ -121,35 +132,41 @@ def _add_shape(name: str, shape: Any, parent: Any, collection: Any, at: np.ndarr
     """Adds a mesh with slots, attributes, shape keys, and the frames in which it is seen."""
     mesh = bpy.data.meshes.new(name)
     corners = np.concatenate([slot.first + slot.triangles for slot in shape.slots]).astype(np.int32)
+    which = np.repeat(np.arange(len(shape.slots), dtype=np.int32), [len(slot.triangles) for slot in shape.slots])
+    kept, vertex = np.arange(len(shape.points[0])), corners
+    if shape.rigid:  # its triangles share no vertices: here they do, so that edges are closed
+        _, kept, back = np.unique(shape.point, return_index=True, return_inverse=True)
+        vertex = back.reshape(-1)[corners].astype(np.int32)
+        area = (vertex != np.roll(vertex, 1, axis=1)).all(axis=1)  # triangles at the poles of a ball have none
+        corners, vertex, which = corners[area], vertex[area], which[area]
     count = len(corners)
-    mesh.vertices.add(len(shape.points[0]))
-    mesh.vertices.foreach_set("co", _flat(shape.points[0]))
+    mesh.vertices.add(len(kept))
+    mesh.vertices.foreach_set("co", _flat(shape.points[0][kept]))
     mesh.loops.add(3 * count)
-    mesh.loops.foreach_set("vertex_index", corners.ravel())
+    mesh.loops.foreach_set("vertex_index", vertex.ravel())
     mesh.polygons.add(count)
     mesh.polygons.foreach_set("loop_start", 3 * np.arange(count, dtype=np.int32))
     if bpy.app.version < (4, 1, 0):
         mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
     for slot in shape.slots:
-        mesh.materials.append(_material(slot.material, slot.colour))
-    which = np.repeat(np.arange(len(shape.slots), dtype=np.int32), [len(slot.triangles) for slot in shape.slots])
+        mesh.materials.append(_material(slot.material, slot.look))
     mesh.polygons.foreach_set("material_index", which)
     mesh.polygons.foreach_set("use_smooth", np.ones(count, bool))
     mesh.update(calc_edges=True)
     if np.isfinite(shape.uv).all():
         mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", _flat(shape.uv[corners.ravel()]))
     if np.isfinite(shape.colour).all():
-        rgba = np.column_stack([shape.colour, np.ones(len(shape.colour))])
+        rgba = np.column_stack([shape.colour[kept], np.ones(len(kept))])
         mesh.color_attributes.new("Color", "FLOAT_COLOR", "POINT").data.foreach_set("color", _flat(rgba))
     if np.isfinite(shape.rest).all():
-        mesh.attributes.new("rest_position", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", _flat(shape.rest))
+        mesh.attributes.new("rest_position", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", _flat(shape.rest[kept]))
     if shape.velocity:  # not named `velocity`: Cycles would blur all frames by this one
         start = _flat(shape.velocity[0] + shape.drift[0])
         mesh.attributes.new("run_velocity", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", start)
     if np.isfinite(shape.damage).all():
-        mesh.attributes.new("damage", "FLOAT", "POINT").data.foreach_set("value", _flat(shape.damage))
-    if shape.rigid:  # its vertices are not shared: smoothness is in the normals
-        mesh.normals_split_custom_set_from_vertices(shape.normals[0].tolist())
+        mesh.attributes.new("damage", "FLOAT", "POINT").data.foreach_set("value", _flat(shape.damage[kept]))
+    if shape.rigid:  # sharp edges are in the normals of corners
+        mesh.normals_split_custom_set(shape.normals[0][corners.ravel()].tolist())
         if hasattr(mesh, "use_auto_smooth"):  # until 4.0
             mesh.use_auto_smooth = True
     thing = bpy.data.objects.new(name, mesh)
@@ -209,23 +226,28 @@ def _add_cracks(frames: list[Any], at: np.ndarray, shells: tuple[str, ...], grou
         groups.get(name, top).objects.link(thing)
 
 
-def _material(name: str, colour: tuple[float, ...]) -> Any:
-    """Returns the material of this name; a new one is glass where its colour has an opacity, else plain."""
+def clear_colour(colour: Sequence[float]) -> tuple[float, ...]:
+    """Returns the colour of glass with this one, as it is looked through."""
+    return tuple(1.0 - CLEAREST * (1.0 - c) for c in colour)
+
+
+def _material(name: str, look: Any) -> Any:
+    """Returns the material of this name; a new one has the look, which is an entry of the project's table."""
+    from sunder_tools.pictures.materials import OPACITY
+    from sunder_tools.report.appearance import GLASS_IOR
     there = bpy.data.materials.get(name)
     if there is not None:
         return there
     material = bpy.data.materials.new(name)
-    linear = (*(float(c) ** 2.2 for c in colour[:3]), 1.0)
-    clear = len(colour) > 3 and colour[3] < CLEAR_OPACITY
-    material.diffuse_color = (*linear[:3], colour[3] if clear else 1.0)
+    material.diffuse_color = (*look.linear, OPACITY if look.clear else 1.0)
     material.use_nodes = True
     shader = next((node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED"), None)
     if shader is not None:
-        shader.inputs["Base Color"].default_value = (0.95, 0.98, 0.97, 1.0) if clear else linear
-        shader.inputs["Roughness"].default_value = 0.02 if clear else 0.4
-        for words in ("Transmission", "Transmission Weight"):  # before and since 4.0
-            if clear and words in shader.inputs:
-                shader.inputs[words].default_value = 1.0
+        shader.inputs["Base Color"].default_value = (*(clear_colour(look.linear) if look.clear else look.linear), 1.0)
+        shader.inputs["Roughness"].default_value, shader.inputs["Metallic"].default_value = look.roughness, look.metallic
+        for words, value in (("Transmission", 1.0), ("Transmission Weight", 1.0), ("IOR", GLASS_IOR)):  # before and since 4.0
+            if look.clear and words in shader.inputs:
+                shader.inputs[words].default_value = value
     return material
 
 
@@ -290,7 +312,8 @@ class ImportSunderRun(bpy.types.Operator):
         try:
             load(self.directory, self.fps, self.speed, self.middle, addon.preferences.reader if addon else "")
         except Exception as error:  # noqa: BLE001: whatever it is, the user is to see it
-            self.report({"ERROR"}, f"{self.directory}: {error}")
+            said = str(error) or type(error).__name__
+            self.report({"ERROR"}, said if self.directory.rstrip("/") in said else f"{self.directory}: {said}")
             return {"CANCELLED"}
         return {"FINISHED"}
 

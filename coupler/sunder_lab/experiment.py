@@ -21,6 +21,9 @@ from .table import Cell, Table
 
 SEED_PATH = "fracture.seed"
 # Columns of every table; no parameter and no measure may use these names.
+# measures that are never below 0 and are no whole numbers
+NOT_NEGATIVE = ("mean_force_N", "impulse_N_s", "contact_until_s", "crack_length_m", "largest_piece_m2", "median_piece_m2", "mean_piece_m2",
+                "dent_in_m3", "dent_out_m3", "energy_fracture_J")
 OWN = ("member", "seed", "repeat", "status", "error", "warnings")
 
 To = Union[str, Sequence[str], Mapping[str, Callable[[Any], Value]], Callable[[Scene, Any], None]]
@@ -49,12 +52,17 @@ class Parameter:
 @dataclass(frozen=True)
 class Plot:
     """A panel of plots.png: the mean of column `y` over seeds and repeats at each `x`, with its 95 % confidence
-    interval, and every run as a dot. There is a line for each value of column `by`."""
+    interval, and every run as a dot. There is a line for each value of column `by`.
+
+    Error bars end at `least`, below which `y` cannot be. Where it is None, that is 0 for whole numbers of which none is negative
+    and for the measures of NOT_NEGATIVE; other columns have no such end.
+    """
     x: str
     y: str
     by: str | None = None
     logarithmic: bool = False
     title: str = ""
+    least: float | None = None
 
     def names(self) -> list[str]:
         """Returns the columns that it draws."""
@@ -69,14 +77,30 @@ class Plot:
         for name in (self.x, self.y):
             if table[name].dtype == object:
                 raise CommandError(f"column '{name}' holds text; a plot draws numbers, and text may be 'by'")
-        lines = []
+        lines, counts = [], set()
         for key in dict.fromkeys(table[self.by].tolist()) if self.by else [None]:
             part = table.where(**{self.by: key}) if self.by else table
             means = [m for m in part.means(self.y, [self.x]) if m.count]
+            counts |= {m.count for m in means}
             dots = [(x, y) for x, y in zip(part[self.x], part[self.y])] if any(m.count > 1 for m in means) else []
             lines.append(Line(valued(self.by, key) if self.by else "",
                               [m.key[self.x] for m in means], [m.mean for m in means], [m.half for m in means], dots))
-        return Panel(self.title or f"{words_and_unit(self.y)[0]} over {words_and_unit(self.x)[0]}", self.x, self.y, lines, self.logarithmic)
+        return Panel(self.title or f"{words_and_unit(self.y)[0]} over {words_and_unit(self.x)[0]}", self.x, self.y, lines, self.logarithmic,
+                     bars=_runs(counts), least=self._least(table))
+
+    def _least(self, table: Table) -> float | None:
+        """Returns where error bars end."""
+        if self.least is not None or self.y in NOT_NEGATIVE:
+            return self.least or 0.0
+        values = [row[self.y] for row in table if row[self.y] is not None]
+        return 0.0 if values and all(isinstance(v, int) and v >= 0 for v in values) else None
+
+
+def _runs(counts: set[int]) -> str:
+    """Says what error bars are, of as many runs at each place; '' where there are none."""
+    if max(counts, default=0) < 2:
+        return ""
+    return f"mean ± 95 % interval, {min(counts)}{f' to {max(counts)}' if len(counts) > 1 else ''} runs a point"
 
 
 def _numbers(values: Sequence[Any]) -> bool:

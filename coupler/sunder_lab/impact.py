@@ -97,7 +97,8 @@ class Motion:
         coarse = apart[matters & (FEWEST_ROWS * apart > interval_s * (1.0 + 1e-9))]
         if len(coarse):
             raise CommandError(f"probe of '{self.name}': interval_s is {interval_s:g}, but rows are {coarse.max():g} s apart; "
-                               f"give at least {FEWEST_ROWS * coarse.max():g}, or lower window_s and output.probe_interval_s")
+                               f"give at least {FEWEST_ROWS * coarse.max():g}, or lower window_s, settle_window_s (which "
+                               "counts once the shell is frozen) and output.probe_interval_s")
         return most / interval_s
 
     @property

@@ -1,6 +1,7 @@
 """What materials look like: by name, preset and numbers; the same in pictures, exports and on the page."""
 from __future__ import annotations
 
+import re
 import tempfile
 import unittest
 from dataclasses import replace
@@ -8,11 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
+from sunder_tools.pictures.faces import Slot
 from sunder_tools.pictures.frames import BODIES, SHELL, Frame
+from sunder_tools.pictures.glb import Glb
 from sunder_tools.pictures.look import Look
-from sunder_tools.pictures.materials import OPACITY, material_of_body, material_of_shards, material_of_shell
+from sunder_tools.pictures.materials import OPACITY, colour_of, material_of_body, material_of_shards, material_of_shell
 from sunder_tools.pictures.meshes import load_scene
 from sunder_tools.pictures.playback import Playback
+from sunder_tools.pictures.story import Shape, Thing
+from sunder_tools.pictures.usda import usda_text
 from sunder_tools.report.appearance import (ACRYLIC, BRASS, CLOTH, FOAM, GLASS, ICE, IRON, LEAD, NAMED, PAINT, PLASTIC, PORCELAIN,
                                             STEEL, UNKNOWN, WOOD, appearance_of, as_linear, unknown)
 from sunder_tools.report.scene_text import SCENE_COPY, parse_text, words_of
@@ -75,11 +80,34 @@ class Pictures(unittest.TestCase):
         look = Look.of_words(words)
         self.assertEqual(look.colours, (PORCELAIN.colour, PAINT.colour, GLASS.colour))
         self.assertEqual([material_of_shell(k, words) for k in range(4)], [
-            ("bowl_porcelain", PORCELAIN.colour), ("painted_steel", PAINT.colour), ("window", (*GLASS.colour, 0.5)),
-            ("shell_3", UNKNOWN[3])])
-        self.assertEqual(material_of_shards(-1, words), ("bowl_porcelain", PORCELAIN.colour))
+            ("bowl_porcelain", PORCELAIN), ("painted_steel", PAINT), ("window", GLASS), ("shell_3", unknown(3))])
+        self.assertEqual([colour_of(one) for one in (GLASS, PAINT)], [(*GLASS.colour, OPACITY), PAINT.colour])
+        self.assertEqual(material_of_shards(-1, words), ("bowl_porcelain", PORCELAIN))
         self.assertEqual([material_of_body(k, words) for k in (1, 2, 3, 4)], [
-            ("hull", STEEL.colour), ("post", STEEL.colour), ("stuff", UNKNOWN[4]), ("body_4", STEEL.colour)])
+            ("hull", STEEL), ("post", STEEL), ("stuff", unknown(4)), ("body_4", STEEL)])
+
+    def test_gltf_and_usd_have_the_table_s_numbers(self) -> None:
+        looks = {"glass": GLASS, "acrylic": ACRYLIC, "steel": STEEL, "porcelain": PORCELAIN}
+        out = Glb("test", {})
+        for name, look in looks.items():
+            self.assertEqual(out.material(name, look), out.material(name, STEEL), "a name has one material")
+        self.assertEqual(out.json["extensionsUsed"], ["KHR_materials_transmission", "KHR_materials_ior"])
+        for name, look in looks.items():
+            material, = [one for one in out.json["materials"] if one["name"] == name]
+            surface, more = material["pbrMetallicRoughness"], material.get("extensions", {})
+            self.assertEqual((surface["metallicFactor"], surface["roughnessFactor"]), (float(name == "steel"), look.roughness))
+            clear = name in ("glass", "acrylic")  # light goes through two faces of a sheet
+            np.testing.assert_allclose(np.array(surface["baseColorFactor"][:3]) ** (2 if clear else 1), as_linear(look.colour), atol=2e-4)
+            self.assertEqual((material["alphaMode"], surface["baseColorFactor"][3]), ("OPAQUE", 1.0))
+            self.assertEqual(more, {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": 1.52}}
+                             if clear else {})
+        slots = [Slot(name, look, 0, 3, np.array([[0, 1, 2]])) for name, look in looks.items()]
+        none = np.full((3, 3), np.nan)
+        shape = Shape(slots, 0, 0, [np.eye(3)], [np.eye(3)], none, none[:, 0], none[:, :2], none)
+        text = usda_text([Thing("one", "", [0], [np.zeros(3)], [np.array([0.0, 0, 0, 1])], [shape])], np.zeros(1), 24.0, None)
+        found = re.findall(r'Material "(\w+)".*?inputs:opacity = (\S+).*?inputs:metallic = (\S+).*?inputs:roughness = (\S+)', text, re.S)
+        self.assertEqual({name: tuple(map(float, rest)) for name, *rest in found}, {
+            name: (OPACITY if look.kind == "glass" else 1.0, float(look is STEEL), look.roughness) for name, look in looks.items()})
 
     def test_a_body_without_a_material_takes_no_material_s_name(self) -> None:
         words = words_of(parse_text("""materials { name: "glass" density: 2500 } materials { name: "plate" density: 900 }
@@ -120,7 +148,7 @@ class Pictures(unittest.TestCase):
             scene = load_scene(frame, Look.of_words(of_body))
             np.testing.assert_allclose(scene.glass.colours, [GLASS.colour])
             self.assertEqual(len(scene.solid.triangles), 4)
-            self.assertEqual(material_of_body(1, of_body), ("glass", (*GLASS.colour, OPACITY)))
+            self.assertEqual(material_of_body(1, of_body), ("glass", GLASS))
 
     def test_what_remains_of_several_shells_has_the_material_of_each(self) -> None:
         """A frozen piece of two shells: its pairs of points are as far apart as its shells are thick."""

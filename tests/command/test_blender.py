@@ -15,6 +15,7 @@ from sunder_tools.pictures.between import film_frames
 from sunder_tools.pictures.frames import BODIES, list_frames
 from sunder_tools.pictures.rigid import turn_of
 from sunder_tools.pictures.story import story_of
+from sunder_tools.report.appearance import GLASS, GLASS_IOR
 from sunder_tools.report.scene_text import SCENE_COPY
 
 from . import REPOSITORY, test_pc2
@@ -22,7 +23,8 @@ from .synthetic import write_vtp
 from .test_animated import SCENE, Parting
 from .test_view import InAFolder
 
-READ = ("pictures.between", "pictures.frames", "pictures.look", "pictures.story", "report.scene_text")
+READ = ("pictures.between", "pictures.frames", "pictures.look", "pictures.materials", "pictures.story", "report.appearance",
+        "report.run_folder", "report.scene_text")
 ADDON = REPOSITORY / "coupler" / "blender"
 # What Blender has made, as numbers: {frame: {object: centre, or corners of its visible meshes}}.
 SCRIPT = """
@@ -66,6 +68,7 @@ told["more"] = {{
     "uv": [[list(rest[l.vertex_index].vector), list(u.uv)] for l, u in zip(one.data.loops, one.data.uv_layers["UVMap"].data)],
     "colours": [list(c.color) for c in one.data.color_attributes["Color"].data],
     "shard": sorted(bpy.data.objects["pane_piece_2_shape_1"].data.attributes.keys()),
+    "looks": [glass["Roughness"].default_value, glass["Metallic"].default_value, glass["IOR"].default_value],
     "born": [v.value for v in cracks.attributes["born"].data], "transmission": glass[words[0]].default_value}}
 told["refused"] = ""
 try:
@@ -138,6 +141,7 @@ class Blender(Parting):
         self.assertTrue({"rest_position", "Color"} <= set(more["shard"]) and not {"damage", "run_velocity"} & set(more["shard"]))
         np.testing.assert_allclose(more["born"], [1.5], atol=1e-6)
         self.assertEqual((more["transmission"], more["damage"]), (1.0, [0.0]))
+        np.testing.assert_allclose(more["looks"], [GLASS.roughness, 0.0, GLASS_IOR], atol=1e-6)
         self.assertGreater(more["gltf"], 3)
         self.assertRegex(refused, "frames.pvd")
 
@@ -154,7 +158,7 @@ class Blender(Parting):
         self.assertEqual(json.loads(out.read_text()), {"pane_run": ["pane"], "pane": []})
 
 
-# Places of the vertices of a body in all frames of a film.
+# Places of the corners of a body in all frames of a film.
 TURNING = """
 import json, sys
 sys.dont_write_bytecode = True
@@ -166,7 +170,7 @@ scene, told = bpy.context.scene, []
 body, = [thing for thing in bpy.data.objects if thing.type == "MESH" and thing.parent and thing.parent.name == "body_7"]
 for frame in range(scene.frame_start, scene.frame_end + 1):
     scene.frame_set(frame)
-    told.append([list(body.matrix_world @ vertex.co) for vertex in body.data.vertices])
+    told.append([list(body.matrix_world @ body.data.vertices[loop.vertex_index].co) for loop in body.data.loops])
 open({out!r}, "w").write(json.dumps(told))
 """
 

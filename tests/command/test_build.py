@@ -217,6 +217,38 @@ class Building(unittest.TestCase):
         second.join(1800.0)
         self.assertEqual(len(self.commands), 2)
 
+    def test_who_waits_is_told_how_far_the_other_is(self) -> None:
+        (self.root / "build").mkdir()
+        log = self.root / "build" / "build.log"
+        log.write_text("[99/99] of an earlier build\n")
+        os.utime(log, (1.0, 1.0))
+        with mock.patch.object(build, "TELL_S", 0.05), mock.patch.object(build, "POLL_S", 0.01), \
+                (self.root / "build" / "lock").open("a") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            second = threading.Thread(target=build.ensure_built)
+            second.start()
+            for step in ("", "[3/64]", "[4/64]"):
+                if step:
+                    log.write_text(f"[0/2] Re-checking globbed directories...\n[2/64] a\n{step} b\na warning\n")
+                end = time.monotonic() + 1800.0
+                while f"the other one builds {step}\n" not in self.said.getvalue() if step else "waiting" not in self.said.getvalue():
+                    self.assertLess(time.monotonic(), end)
+                    time.sleep(0.01)
+        second.join(1800.0)
+        self.assertRegex(self.said.getvalue(), r"(?s)^sunder: another .*\nsunder: waiting; the other one builds \[3/64\]\nsunder: "
+                         r"waiting; the other one builds \[4/64\]\nsunder: configuring\n")
+        self.assertNotIn("99", self.said.getvalue())
+
+    def test_a_build_that_was_interrupted_is_to_be_run_again(self) -> None:
+        for self.status, how in ((-15, r" \(cmake was killed by SIGTERM\)"), (137, r" \(cmake was killed by SIGKILL\)")):
+            with self.assertRaisesRegex(CommandError, f"was interrupted{how}; run this again, and it goes on from there; the "
+                                                      "whole log is .*build.log$"):
+                build.ensure_built()
+        self.status = 1
+        with mock.patch.object(build, "tail", lambda log, lines: "ninja: build stopped: interrupted by user."), \
+                self.assertRaisesRegex(CommandError, "was interrupted; run this again"):
+            build.ensure_built()
+
     def finished(self, *programs: str) -> None:
         for name in programs:
             (self.folder / name).parent.mkdir(parents=True, exist_ok=True)

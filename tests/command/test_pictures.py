@@ -96,6 +96,26 @@ class VtpReader(InAFolder):
         write_vtp(self.path, [])
         self.assertEqual(len(read_vtp(self.path).points), 0)
 
+    FIELDS = (b'<FieldData>\n<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">2.5e-05</DataArray>\n'
+              b'<Array type="String" Name="shell_name" NumberOfTuples="2" format="ascii">\n112 97 110 101 0\n195 164 0\n</Array>\n'
+              b'<DataArray type="Float64" Name="shell_area_m2" NumberOfTuples="2" format="ascii">0.25 1 </DataArray>\n</FieldData>\n')
+
+    def test_reads_time_names_and_areas_of_shells(self) -> None:
+        self.assertEqual(read_vtp(self.path).field_data, {})
+        whole = self.path.read_bytes()
+        self.path.write_bytes(whole.replace(b"<Piece", self.FIELDS + b"<Piece"))
+        fields = read_vtp(self.path).field_data
+        self.assertEqual({name: values.tolist() for name, values in fields.items()},
+                         {"TimeValue": [2.5e-5], "shell_name": ["pane", "\u00e4"], "shell_area_m2": [0.25, 1.0]})
+        np.testing.assert_array_equal(read_vtp(self.path).triangles, [[0, 1, 2], [0, 2, 3]])
+        for old, new in ((b'"2" format="ascii">0.25', b'"3" format="ascii">0.25'), (b">0.25", b">a.25"),
+                         (b'Float64" Name="Time', b'Float63" Name="Time'), (b"112 ", b"512 "), (b"195 164 0", b"195 164 9"),
+                         (b'"ascii">2.5', b'"binary">2.5')):
+            self.assertIn(old, self.FIELDS)
+            self.path.write_bytes(whole.replace(b"<Piece", self.FIELDS.replace(old, new) + b"<Piece"))
+            with self.assertRaisesRegex(VtpError, "mesh.vtp: field '", msg=old.decode()):
+                read_vtp(self.path)
+
     def test_rejects_every_truncation(self) -> None:
         whole = self.path.read_bytes()
         for length in range(len(whole) - 2):  # the last byte is a line feed

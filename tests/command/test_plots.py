@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
+import numpy as np
+
 from sunder_tools.errors import CommandError
 from sunder_tools.pictures import plots
 from sunder_tools.pictures.plots import COLOURS, Curve, Line, Panel, draw, there, write_panels, write_plots
@@ -93,6 +95,15 @@ class Plots(unittest.TestCase):
             self.assertLessEqual(one.x1, figure.bbox.x1)
             self.assertFalse(any(one.overlaps(other) for other in boxes[k + 1:]))
         self.assertIsNone(axes.get_legend())
+
+    def test_bars_are_told_and_end_where_the_quantity_does(self) -> None:
+        line = [Line("", [1.0, 2.0, 3.0], [0.002, 0.004, 0.004], [0.005, 0.001, math.nan])]
+        for least, low in ((None, -3.0), (0.0, 0.0)):
+            axes = self.axes(Panel("p", "x", "crack_length_m", line, bars="mean ± 95 % interval, 2 runs", least=least))
+            self.assertEqual(axes.get_ylabel(), "crack length [mm]\nmean ± 95 % interval, 2 runs")
+            segments = axes.containers[0].lines[2][0].get_segments()
+            np.testing.assert_allclose([segment[:, 1] for segment in segments], [[low, 7.0], [3.0, 5.0]], atol=1e-9)
+            self.assertTrue(low - 1.0 < axes.get_ylim()[0] < low + 1e-9 if least is None else -1.0 < axes.get_ylim()[0] <= 0.0)
 
     def test_labels_of_points_are_apart_and_on_the_sheet(self) -> None:
         line = Line("front", [1.0, 1.05, 1.1, 10.0], [1.0, 0.98, 0.97, 0.1], labels=["first", "second", "third", "last"])

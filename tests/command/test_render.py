@@ -332,8 +332,8 @@ class SeveralShells(InAFolder):
         self.assertEqual({values.shape[1] for node in nodes.values() for name, values in node.items() if name.startswith("_")}, {3})
         np.testing.assert_array_equal(nodes["bumper"]["POSITION"][2], [1, 0, -1])  # y up
 
-    def materials(self, scene: str, part_of: dict[int, int]) -> dict[str, tuple[str, str]]:
-        """Material and alpha mode of each node of the exported frame."""
+    def materials(self, scene: str, part_of: dict[int, int]) -> dict[str, tuple[str, bool]]:
+        """Material of each node of the exported frame, and whether light goes through it."""
         frames = list_frames(self.folder)
         raw = glb_bytes(mesh_of(frames, 0), 0.0, words_of(parse_text(scene), []) if scene else Words(), part_of)
         content = json.loads(raw[20:20 + struct.unpack_from("<I", raw, 12)[0]])
@@ -341,16 +341,19 @@ class SeveralShells(InAFolder):
         self.assertEqual(len(names), len(set(names)), "each once")
         used = {node["name"]: content["materials"][content["meshes"][node["mesh"]]["primitives"][0]["material"]]
                 for node in content["nodes"]}
-        return {name: (material["name"], material["alphaMode"]) for name, material in used.items()}
+        self.assertEqual({material["alphaMode"] for material in content["materials"]}, {"OPAQUE"})
+        clear = {material["name"] for material in content["materials"] if "KHR_materials_transmission" in material.get("extensions", {})}
+        self.assertEqual("KHR_materials_transmission" in content.get("extensionsUsed", []), bool(clear))
+        return {name: (material["name"], material["name"] in clear) for name, material in used.items()}
 
     def test_gltf_has_the_materials_of_the_scene(self) -> None:
         self.assertEqual(self.materials(self.SCENE, {4: 0, 5: 1}), {
-            "bumper": ("plastic", "OPAQUE"), "window": ("window_glass", "BLEND"), "shards_of_bumper": ("plastic", "OPAQUE"),
-            "shards_of_window": ("window_glass", "BLEND")})
+            "bumper": ("plastic", False), "window": ("window_glass", True), "shards_of_bumper": ("plastic", False),
+            "shards_of_window": ("window_glass", True)})
         self.assertEqual(self.materials(self.SCENE.replace("window_glass", "plastic"), {}), {
-            "bumper": ("plastic", "OPAQUE"), "window": ("plastic", "OPAQUE"), "shards": ("plastic", "OPAQUE")})
-        self.assertEqual(self.materials("", {}), {"shell_0": ("shell_0", "OPAQUE"), "shell_1": ("shell_1", "OPAQUE"),
-                                                  "shards": ("shards", "OPAQUE")})
+            "bumper": ("plastic", False), "window": ("plastic", False), "shards": ("plastic", False)})
+        self.assertEqual(self.materials("", {}), {"shell_0": ("shell_0", False), "shell_1": ("shell_1", False),
+                                                  "shards": ("shards", False)})
 
     def test_a_lone_shell_is_of_its_material_too(self) -> None:
         write_vtp(self.folder / "frames/shell.vtp", [[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]],
@@ -358,13 +361,13 @@ class SeveralShells(InAFolder):
         write_vtp(self.folder / "frames/bodies.vtp", [[0, 0, -1], [1, 0, -1], [0, 1, -1]], [[0, 1, 2], [0, 2, 1]],
                   cell_data={"body": np.array([1.0, 5]), "kind": np.array([0.0, 1])}, floats="f8")
         frame, = list_frames(self.folder)
-        for material, mode in (("plaster", "OPAQUE"), ("clear_acrylic", "BLEND"), ("glass", "BLEND")):
+        for material, clear in (("plaster", False), ("clear_acrylic", True), ("glass", True)):
             scene = f"""materials {{ name: "{material}" density: 500 strength: 1 }}
                 shells {{ name: "wall" material: "{material}" thickness_m: 0.008 }} bodies {{ name: "ball" material: "lead" }}"""
-            self.assertEqual(self.materials(scene, {}), {"wall": (material, mode), "shards": (material, mode),
-                                                         "ball": ("lead", "OPAQUE")})
+            self.assertEqual(self.materials(scene, {}), {"wall": (material, clear), "shards": (material, clear),
+                                                         "ball": ("lead", False)})
             drawn = load_scene(frame, Look(glass=words_of(parse_text(scene), []).glass))
-            self.assertEqual(len(drawn.glass.triangles), 2 if mode == "BLEND" else 0)
+            self.assertEqual(len(drawn.glass.triangles), 2 if clear else 0)
 
 
 if __name__ == "__main__":

@@ -264,6 +264,10 @@ class RunCommand(unittest.TestCase):
             message = _verdict(ending, Path("run"), "my-engine")[1]
             self.assertIn("(my-engine)", message)
             self.assertNotIn("sunder-rigid", message)
+        going = self.here / "going"
+        going.mkdir()
+        (going / "run.json").write_text('{"time": {"windows": 3}}')
+        self.assertIn("(my-engine) refused to go on after 3 windows", _verdict(Ending(shell=3, rigid=2), going, "my-engine")[1])
 
     def test_a_folder_in_which_a_run_has_just_begun(self) -> None:
         out = self.here / "work" / "out"

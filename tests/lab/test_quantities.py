@@ -269,6 +269,15 @@ class Plots(InFolder):
         with self.assertRaisesRegex(sunder.Error, "no column 'y'"):
             sunder.Plot("speed", "y").panel(table)
 
+    def test_a_panel_says_what_its_bars_are_and_where_they_end(self) -> None:
+        rows = [{"speed": v, "pieces": 1 + k, "mean_force_N": 0.5 * k, "height_m": 0.5 + k, "change": k - 1} for v in (1, 2) for k in range(2)]
+        for table, bars in ((sunder.Table(rows), "mean ± 95 % interval, 2 runs a point"), (sunder.Table(rows[::2]), ""),
+                            (sunder.Table([*rows, rows[0]]), "mean ± 95 % interval, 2 to 3 runs a point")):
+            self.assertEqual(sunder.Plot("speed", "pieces").panel(table).bars, bars)
+        ends = {name: sunder.Plot("speed", name).panel(sunder.Table(rows)).least for name in ("pieces", "mean_force_N", "height_m", "change")}
+        self.assertEqual(ends, {"pieces": 0.0, "mean_force_N": 0.0, "height_m": None, "change": None})
+        self.assertEqual(sunder.Plot("speed", "height_m", least=0.5).panel(sunder.Table(rows)).least, 0.5)
+
 
 class Limits(unittest.TestCase):
     def test_the_interval_of_the_median_is_the_tabled_one(self) -> None:

@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING, Any
 from ..errors import BAD_INPUT, DONE, PEER_LOST, CommandError, how_it_ended
 from ..launch.build import ensure_built
 from ..words import own_command
-from .parser import Subparsers, add_command, number_within
+from .parser import MESHES, Subparsers, add_command, number_within
 
 if TYPE_CHECKING:
     from ..report.gaps import Gap  # needs numpy, which a start does not
 
 NAME = "inspect"
 MOST_GAPS = 20  # that are listed
-MESHES = (".obj", ".off", ".ply", ".stl", ".glb", ".gltf")
 SCENE = """\
 # {which} of {path} as {shells}. The part falls on a floor.
 name: "{name}"
@@ -228,8 +227,9 @@ def checked(program: Path, scene: Path) -> str:
     if ended.returncode < 0:
         raise CommandError(f"sunder-shell {how_it_ended(ended.returncode)} while checking {scene}", PEER_LOST)
     if ended.returncode != DONE:
+        why = ended.stderr.strip().removeprefix("sunder-shell: ")
         raise CommandError(f"'{scene}' is written, but 'sunder check' refuses it; change it there, or inspect again with "
-                           f"another --element: {ended.stderr.strip().removeprefix('sunder-shell: ')}", BAD_INPUT)
+                           f"another --element or --unit, into another --scene: {why}", BAD_INPUT)
     lines = [line for line in ended.stdout.splitlines() if line.startswith(("substeps ", "time ", "warning "))]
     return "".join(f"  {line}\n" for line in lines)
 

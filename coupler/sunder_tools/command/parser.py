@@ -2,14 +2,18 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 from pathlib import Path
 from typing import Any, Callable, NoReturn, Sequence
 
 from ..errors import BAD_INPUT, CommandError
 from ..launch.shipped import ENDING, SCENES
 from ..places import BUILD_DIR_VARIABLE
-from ..words import did_you_mean, nearest
+from ..report.scene_text import SCENE_COPY
+from ..words import did_you_mean, nearest, own_command
 
+# What `inspect` makes scenes of.
+MESHES, CAD_FILES = (".obj", ".off", ".ply", ".stl", ".glb", ".gltf"), (".step", ".stp", ".igs", ".iges")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -156,9 +160,17 @@ def add_run_folder(parser: argparse.ArgumentParser, words: str = "folder of a ru
 
 
 def need_scene(path: Path) -> None:
-    """Raises CommandError where there is no such file; names the nearest scenes beside it and among those that ship."""
+    """Raises CommandError where there is no such file, or one of another kind; names the nearest scenes beside it and among those
+    that ship."""
     if path.is_file():
+        kind = "mesh" if path.suffix.lower() in MESHES else "CAD file" if path.suffix.lower() in CAD_FILES else ""
+        if kind:
+            unit = " (a mesh has no unit: add --unit 0.001 where it is in millimetres)" if kind == "mesh" else ""
+            raise CommandError(f"{path}: is a {kind}, and no scene; this writes a scene of it: "
+                               f"{own_command('inspect', path, '--scene', _free_name(path))}{unit}", BAD_INPUT)
         return
+    if (path / SCENE_COPY).is_file():
+        raise CommandError(f"{path}: is the folder of a run; its scene is {path / SCENE_COPY}", BAD_INPUT)
     wanted = path.name.removesuffix(ENDING)
     beside = {scene.name.removesuffix(ENDING): scene for scene in sorted(path.parent.glob("*" + ENDING))}
     shipped = {scene.name.removesuffix(ENDING): scene for scene in sorted(SCENES.glob("*" + ENDING))}
@@ -166,6 +178,12 @@ def need_scene(path: Path) -> None:
     near = [_as_typed(found[name]) for name in nearest(wanted, found)]
     hint = f"did you mean {' or '.join(near)}?" if near else "'sunder scenes' lists those that ship"
     raise CommandError(f"{path}: no such scene file; {hint}", BAD_INPUT)
+
+
+def _free_name(file: Path) -> Path:
+    """A scene beside the file that is not there yet."""
+    names = (file.with_name(f"{file.stem}{f'_{k}' if k > 1 else ''}{ENDING}") for k in itertools.count(1))
+    return next(name for name in names if not name.exists())
 
 
 def _as_typed(path: Path) -> str:

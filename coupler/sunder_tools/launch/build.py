@@ -6,14 +6,15 @@ import fcntl
 import os
 import re
 import shutil
+import signal
 import sys
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Iterator
+from typing import IO, Iterator
 
-from ..errors import CommandError
+from ..errors import CommandError, how_it_ended
 from ..places import BUILD_DIR_VARIABLE, CHECKOUT_ONLY, INSTALLED, PROGRAMS, REPOSITORY
 from ..words import command_line
 from . import first_use
@@ -22,8 +23,12 @@ from .level import level
 from .logged import run_logged, tail
 
 MEMORY_PER_JOB = 1.5e9  # [bytes]; CGAL's headers take about this much
+LOG = "build.log"  # beside the lock
+POLL_S, TELL_S = 0.2, 15.0  # [s] between looks at the lock of another builder, and between words of how far it is
+STEP_LINES = 400  # of the log in which its last step is looked for: warnings stand between
 NOT_WRITABLE = (errno.EACCES, errno.EPERM, errno.EROFS)
 SOURCE_ROOMS, SOURCE_ENDINGS = ("proto", "coupler", "shell", "rigid"), (".cpp", ".h", ".proto")
+OF_A_SHELL, INTERRUPTED_NINJA = 128, "interrupted by user"  # status beyond which a number of a signal is; what ninja says then
 OF_A_RUN = ("sunder-shell", "sunder-rigid")
 UNTESTED = (*OF_A_RUN, "sunder-single")  # all that is built without the packages of tests
 DART = "sunder-rigid-dart"  # a program that is built on request only
@@ -83,7 +88,7 @@ def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[st
         with only_builder(folder.parent / "lock"):
             ensure_installed(folder.parent / "install.log",
                              PACKAGES + (TEST_PACKAGES if testing else ()) + sum((OPTIONS[name] for name in options), ()))
-            _build(folder, folder.parent / "build.log", [] if all_targets else [*OF_A_RUN, *targets], testing, options)
+            _build(folder, folder.parent / LOG, [] if all_targets else [*OF_A_RUN, *targets], testing, options)
     except OSError as error:
         lacks = all_targets or not all(_has(folder, name) for name in options) or _missing(found, (*OF_A_RUN, *targets))
         if error.errno in NOT_WRITABLE and not lacks:
@@ -130,14 +135,42 @@ def _say_if_old(found: Executables) -> None:
 
 @contextmanager
 def only_builder(path: Path) -> Iterator[None]:
-    """Holds the lock file; waits, and says so, while another `sunder` holds it."""
+    """Holds the lock file; waits while another `sunder` holds it, and says so and how far that is."""
     with path.open("a") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+        if not _locks(lock):
             print("sunder: another sunder is building here; waiting for it", file=sys.stderr, flush=True)
-            fcntl.flock(lock, fcntl.LOCK_EX)
+            log, begun, told = path.with_name(LOG), time.time(), ""
+            due = time.monotonic() + TELL_S
+            while not _locks(lock):
+                time.sleep(POLL_S)
+                if time.monotonic() < due:
+                    continue
+                due += TELL_S
+                step = _last_step(log, begun)
+                if step and step != told:
+                    print(f"sunder: waiting; the other one builds {step}", file=sys.stderr, flush=True)
+                    told = step
         yield
+
+
+def _locks(lock: IO[str]) -> bool:
+    """Takes the lock if it is free; tells whether it has."""
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return True
+    except BlockingIOError:
+        return False
+
+
+def _last_step(log: Path, since: float) -> str:
+    """The last step '[i/n]' of a log to which something was written since then [s], '' where there is none."""
+    try:
+        if log.stat().st_mtime < since:
+            return ""
+    except OSError:
+        return ""
+    found = re.findall(r"^\[\d+/\d+\](?! Re-)", tail(log, STEP_LINES), re.M)
+    return found[-1] if found else ""
 
 
 def _needs_configure(folder: Path) -> bool:
@@ -199,6 +232,10 @@ def _checked(command: list[str], log: Path, what: str, progress: "_Progress | No
     if status != 0:
         if progress:
             progress.close()
+        killed = status if status < 0 else OF_A_SHELL - status if OF_A_SHELL < status < OF_A_SHELL + signal.NSIG else 0
+        if killed or INTERRUPTED_NINJA in tail(log, 3):
+            how = f" ({command[0]} {how_it_ended(killed)})" if killed else ""
+            raise CommandError(f"{what} was interrupted{how}; run this again, and it goes on from there; the whole log is {log}")
         raise CommandError(f"{tail(log, 40)}\n{what} failed with status {status}; the whole log is {log}")
 
 

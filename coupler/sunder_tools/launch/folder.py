@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ..errors import CommandError
 from ..report.profile import PROFILE_FILE, PROFILE_PICTURE
+from ..report.run_folder import not_a_run
 from ..report.scene_text import SCENE_COPY
 
 # What a run writes. Replacing a run removes these and nothing else that somebody put there.
@@ -221,8 +222,6 @@ def _probe(path: Path) -> None:
 
 def existing_run(path: Path, command: str) -> None:
     """Raises CommandError unless `path` is the folder of a run; frames may still be to come."""
-    if not path.is_dir():
-        raise CommandError(f"{command}: {path}: no such folder; name the folder of a run")
-    if not _is_run(path) and not (path / "frames.pvd").is_file():
-        raise CommandError(f"{command}: {path}: holds neither run.json nor frames.pvd; name the folder of a run, the one "
-                           "that 'sunder run' says at its end")
+    wrong = "" if _is_run(path) else not_a_run(path, "holds neither run.json nor frames.pvd")
+    if wrong:
+        raise CommandError(f"{command}: {wrong}")

@@ -33,6 +33,7 @@ def run_logged(command: list[str], log: Path, cwd: Path | None = None,
             try:
                 for line in process.stdout:
                     sink.write(line)
+                    sink.flush()  # whoever waits for this reads how far it is
                     if on_line:
                         on_line(line.decode(errors="replace").rstrip())
                 return process.wait()

@@ -256,7 +256,9 @@ def _verdict(ending: Ending, folder: Path, program: str) -> tuple[int, str]:
     if ending.interrupted and (shell in (INTERRUPTED, -signal.SIGINT)):
         return INTERRUPTED, "" if shell == INTERRUPTED else "interrupted before the run had begun"
     if rigid_died and rigid == BAD_INPUT and (shell in (PEER_LOST, BAD_INPUT) or ending.shell_was_signalled):
-        return BAD_INPUT, f"{tail(folder / 'rigid.log', 5)}\nthe rigid-body process ({program}) refused to start".strip()
+        windows = (run_json.read_run(folder).get("time") or {}).get("windows") or 0
+        refused = f"refused to go on after {windows} windows" if windows else "refused to start"
+        return BAD_INPUT, f"{tail(folder / 'rigid.log', 5)}\nthe rigid-body process ({program}) {refused}".strip()
     if ending.shell_was_signalled:
         what = of_rigid if rigid_died else f"the rigid-body process ({program}) ended early"
         return PEER_LOST, f"{what}, the fracture process did not end by itself and was stopped; see {folder}/rigid.log"

@@ -55,7 +55,7 @@ def _mesh(out: Glb, name: str, shape: Shape) -> int:
             attributes["_DAMAGE"] = out.accessor(thrice(shape.damage[mine]), "VEC3", VERTICES)
         if shape.velocity:
             attributes["_VELOCITY"] = out.accessor(upright(shape.velocity[0][mine] + shape.drift[0]), "VEC3", VERTICES)
-        primitive = {"attributes": attributes, "material": out.material(slot.material, slot.colour),
+        primitive = {"attributes": attributes, "material": out.material(slot.material, slot.look),
                      "indices": out.accessor(slot.triangles.astype("<u4").ravel(), "SCALAR", INDICES)}
         if not shape.rigid:
             primitive["targets"] = [

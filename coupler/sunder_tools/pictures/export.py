@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import DONE
+from ..report.appearance import Appearance
 from ..report.scene_text import Words, known_words
 from .between import film_frames
 from .frames import FROZEN, SHARD
@@ -28,6 +29,7 @@ from .look import origins
 from .materials import material_of_body, material_of_shards, material_of_shell, name_of_body, slot_name
 from .mesh import Mesh, mesh_of
 from .meshes import weld
+from .pace import tell_pace
 from .render import put_in_place, frames_of, pick, telling
 from .thick import corner_normals
 
@@ -57,7 +59,7 @@ def ply_bytes(mesh: Mesh, time_s: float) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii") + vertex.tobytes() + face.tobytes()
 
 
-def _add(out: Glb, name: str, mesh: Mesh, normals: np.ndarray, which: np.ndarray, of: str, colour: tuple[float, ...]) -> None:
+def _add(out: Glb, name: str, mesh: Mesh, normals: np.ndarray, which: np.ndarray, of: str, look: Appearance) -> None:
     """Adds the triangles `which` as a node of this name, with a primitive for each side; nothing where there are none."""
     if not which.any():
         return
@@ -77,7 +79,7 @@ def _add(out: Glb, name: str, mesh: Mesh, normals: np.ndarray, which: np.ndarray
             attributes["COLOR_0"] = out.accessor(mesh.colour[corners].astype("<f4"), "VEC3", VERTICES)
         if np.isfinite(mesh.rest[corners]).all():
             attributes["_REST"] = out.accessor(upright(mesh.rest[corners]), "VEC3", VERTICES)
-        primitives.append({"attributes": attributes, "material": out.material(slot_name(of, int(side)), colour),
+        primitives.append({"attributes": attributes, "material": out.material(slot_name(of, int(side)), look),
                            "indices": out.accessor(np.arange(len(corners), dtype="<u4"), "SCALAR", INDICES)})
     out.show(out.node(name, mesh=out.add("meshes", {"name": name, "primitives": primitives})))
 
@@ -114,7 +116,9 @@ def export(folder: Path, kind: str, out: Path | None, spec: str | None, fps: flo
     frames = frames_of(folder, "export")
     numbers = pick(spec or "all", len(frames))
     if speed is not None:
-        frames, _ = film_frames([frames[k] for k in numbers], fps, speed)
+        chosen = [frames[k] for k in numbers]
+        tell_pace(folder, chosen, fps, speed, spec is None)
+        frames, _ = film_frames(chosen, fps, speed)
         numbers = list(range(len(frames)))
     target = out if out is not None else folder / "export"
     words = known_words(folder, "export")

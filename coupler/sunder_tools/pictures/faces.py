@@ -6,18 +6,17 @@ from typing import Iterator
 
 import numpy as np
 
+from ..report.appearance import Appearance
 from ..report.scene_text import Words
 from .materials import material_of_shell, slot_name
 from .thick import EDGE, INSIDE, OTHER, OUTSIDE, border, normal_rates, vertex_normals
-
-Colour = tuple[float, ...]
 
 
 @dataclass
 class Slot:
     """Triangles of one material, which have vertices of their own."""
     material: str
-    colour: Colour
+    look: Appearance
     first: int             # vertex of the shape
     count: int             # of vertices
     triangles: np.ndarray  # (m, 3) from `first` on
@@ -76,16 +75,16 @@ def slots_of(triangles: np.ndarray, part: np.ndarray, thick: bool, words: Words)
     """Returns the slots of the vertices that `faces` makes."""
     slots, first = [], 0
     for one, used, mine in _parts(triangles, part):
-        material, colour = material_of_shell(one, words)
+        material, look = material_of_shell(one, words)
         if not thick:
-            slots.append(Slot(slot_name(material, OTHER), colour, first, len(used), mine))
+            slots.append(Slot(slot_name(material, OTHER), look, first, len(used), mine))
             first += len(used)
             continue
         walls = 4 * np.arange(len(border(mine)[0]))[:, None] + np.array([[0, 1, 2, 0, 2, 3]])
         for side, count, of in ((OUTSIDE, len(used), mine), (INSIDE, len(used), mine[:, ::-1]),
                                 (EDGE, 4 * len(walls), walls.reshape(-1, 3))):
             if len(of):
-                slots.append(Slot(slot_name(material, side), colour, first, count, of))
+                slots.append(Slot(slot_name(material, side), look, first, count, of))
             first += count
     return slots
 

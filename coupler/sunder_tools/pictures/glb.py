@@ -7,7 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..report.appearance import GLASS_IOR, Appearance
+
 VERTICES, INDICES = 34962, 34963  # targets of buffer views
+TRANSMISSION, REFRACTION = "KHR_materials_transmission", "KHR_materials_ior"  # extensions of the format
 Y_UP = ([0, 2, 1], np.array([1.0, 1.0, -1.0]))  # x, y, z to x, z, -y: the format has y up
 
 
@@ -56,14 +59,20 @@ class Glb:
             accessor |= {"min": np.atleast_1d(values.min(axis=0)).tolist(), "max": np.atleast_1d(values.max(axis=0)).tolist()}
         return self.add("accessors", accessor)
 
-    def material(self, name: str, colour: tuple[float, ...]) -> int:
-        """Returns the number of the material of this name, which gets the colour where it is new."""
+    def material(self, name: str, look: Appearance) -> int:
+        """Returns the number of the material of this name, which gets the look where it is new.
+
+        Glass lets light through at full opacity, as the format asks. Light goes through two faces of a sheet, so each has the
+        square root of its colour.
+        """
         if name not in self._materials:
-            linear = [round(float(c) ** 2.2, 4) for c in colour[:3]]
-            alpha = colour[3] if len(colour) > 3 else 1.0
-            self._materials[name] = self.add("materials", {
-                "name": name, "doubleSided": True, "alphaMode": "BLEND" if alpha < 1.0 else "OPAQUE",
-                "pbrMetallicRoughness": {"baseColorFactor": [*linear, alpha], "metallicFactor": 0.0, "roughnessFactor": 0.5}})
+            colour = [round(c ** 0.5 if look.clear else c, 4) for c in look.linear]
+            material = {"name": name, "doubleSided": True, "alphaMode": "OPAQUE", "pbrMetallicRoughness": {
+                "baseColorFactor": [*colour, 1.0], "metallicFactor": look.metallic, "roughnessFactor": look.roughness}}
+            if look.clear:
+                material["extensions"] = {TRANSMISSION: {"transmissionFactor": 1.0}, REFRACTION: {"ior": GLASS_IOR}}
+                self.json["extensionsUsed"] = [TRANSMISSION, REFRACTION]
+            self._materials[name] = self.add("materials", material)
         return self._materials[name]
 
     def node(self, name: str, **content: Any) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 from ..report.columns import read_columns
 from ..report.scene_text import Words, scene_words
 from .frames import SHELL, list_frames
-from .materials import material_of_body, material_of_shell
+from .materials import colour_of, material_of_body, material_of_shell
 from .vtp import VtpError
 
 Colour = tuple[float, ...]  # red, green, blue
@@ -42,8 +42,8 @@ class Look:
     @staticmethod
     def of_words(words: Words, by: str = "part", part_of: dict[int, int] | None = None, fastest: float = 1.0) -> "Look":
         """Makes the colouring from what is known of the scene."""
-        return Look(by, words.glass, tuple(material_of_shell(k, words)[1][:3] for k in range(len(words.shells))),
-                    tuple(material_of_body(k + 1, words)[1] if name else () for k, name in enumerate(words.body_materials)),
+        return Look(by, words.glass, tuple(material_of_shell(k, words)[1].colour for k in range(len(words.shells))),
+                    tuple(colour_of(material_of_body(k + 1, words)[1]) if name else () for k, name in enumerate(words.body_materials)),
                     part_of or {}, fastest, words.thickness, endless=words.endless)
 
     def parts_by_thickness(self, points: np.ndarray, triangles: np.ndarray, part: np.ndarray) -> np.ndarray:

@@ -1,12 +1,12 @@
-"""Names and colours of materials in pictures and exports. Nothing here or below needs PIL: Blender's own Python has numpy alone."""
+"""Names and looks of materials in pictures and exports. Nothing here or below needs PIL: Blender's own Python has numpy alone."""
 from __future__ import annotations
 
-from ..report.appearance import GLASS, STEEL, UNKNOWN, Appearance, unknown
+from ..report.appearance import GLASS, STEEL, Appearance, unknown
 from ..report.scene_text import Words
 from .thick import OTHER, SIDE_NAMES
 
-Named = tuple[str, tuple[float, ...]]  # a material and its colour, with an opacity where it is seen through
-OPACITY = 0.5                          # of glass
+Named = tuple[str, Appearance]  # a material and its look
+OPACITY = 0.5                   # of glass, in formats that have no transmission
 
 
 def slot_name(material: str, side: int) -> str:
@@ -16,16 +16,16 @@ def slot_name(material: str, side: int) -> str:
 
 def colour_of(look: Appearance) -> tuple[float, ...]:
     """The colour of a material with this look, and its opacity where it is glass."""
-    return (*look.colour, OPACITY) if look.kind == "glass" else look.colour
+    return (*look.colour, OPACITY) if look.clear else look.colour
 
 
 def material_of_shell(part: int, words: Words) -> Named:
-    """Name and colour of a shell's material; of a shell that the scene does not tell about, a material of its own."""
+    """Name and look of a shell's material; of a shell that the scene does not tell about, a material of its own."""
     if part >= len(words.materials):
-        return f"shell_{part}", unknown(part).colour
+        return f"shell_{part}", unknown(part)
     name = words.materials[part]
     known = dict(words.appearances).get(name)
-    return name, colour_of(known if known is not None else GLASS if words.glass[part] else unknown(words.materials.index(name)))
+    return name, known if known is not None else GLASS if words.glass[part] else unknown(words.materials.index(name))
 
 
 def material_of_shards(part: int, words: Words) -> Named:
@@ -34,7 +34,7 @@ def material_of_shards(part: int, words: Words) -> Named:
         return material_of_shell(part, words)
     if len({m for m, breaks in zip(words.materials, words.breaks) if breaks}) == 1:
         return material_of_shell(words.breaks.index(True), words)
-    return "shards", UNKNOWN[0]
+    return "shards", unknown(0)
 
 
 def material_of_body(number: int, words: Words) -> Named:
@@ -42,13 +42,13 @@ def material_of_body(number: int, words: Words) -> Named:
     `_body` is added to one that a material has."""
     name = words.body_materials[number - 1] if 0 < number <= len(words.bodies) else ""
     if name:
-        return name, colour_of(dict(words.appearances).get(name, STEEL))
+        return name, dict(words.appearances).get(name, STEEL)
     name = name_of_body(number, words)
     taken = {slot_name(material, side) for material in (*words.materials, *words.body_materials, *dict(words.appearances))
              for side in (*SIDE_NAMES, OTHER)}
     while name in taken:
         name += "_body"
-    return name, colour_of(STEEL)
+    return name, STEEL
 
 
 def name_of_body(number: int, words: Words) -> str:

@@ -10,6 +10,7 @@ from ..report.scene_text import known_words
 from .animated import animated_glb
 from .between import FPS, MOST_FRAMES, film_frames, key_frames
 from .look import origins
+from .pace import tell_pace
 from .pc2 import write_caches
 from .render import frames_of, pick, put_in_place, telling
 from .story import MOST_STEPS, story_of
@@ -26,6 +27,7 @@ def export_one(folder: Path, kind: str, target: Path, spec: str | None, fps: flo
     frames = frames_of(folder, "export")
     if spec is not None:
         frames = [frames[k] for k in pick(spec, len(frames))]
+    tell_pace(folder, frames, fps, speed, spec is None)
     frames, times = (film_frames if kind == CACHES else key_frames)(frames, fps, speed)
     words = known_words(folder, "export")
     with telling(target):

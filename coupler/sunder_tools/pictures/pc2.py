@@ -18,6 +18,7 @@ from typing import Callable
 import numpy as np
 
 from .glb import upright
+from .materials import colour_of
 from .rigid import turn_of
 from .story import Shape, Thing
 from .usda import identifier
@@ -104,7 +105,8 @@ def _word(name: str) -> str:
 
 def mtl_text(things: list[Thing]) -> str:
     """Writes all materials."""
-    colours = {_word(slot.material): slot.colour for thing in reversed(things) for shape in thing.shapes for slot in shape.slots}
+    colours = {_word(slot.material): colour_of(slot.look)
+               for thing in reversed(things) for shape in thing.shapes for slot in shape.slots}
     lines = []
     for name in sorted(colours):
         red, green, blue, *opacity = colours[name]

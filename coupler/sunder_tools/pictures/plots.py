@@ -62,6 +62,8 @@ class Panel:
     lines: list[Line]
     logarithmic: bool = False
     from_zero: bool = False  # shows small differences as small
+    bars: str = ""           # what error bars are, below the words of the upright axis
+    least: float | None = None  # where error bars end: the quantity cannot be less
 
 
 def there() -> bool:
@@ -128,6 +130,11 @@ def _good(x: float | None, y: float | None, logarithmic: bool) -> bool:
     return all(v is not None and math.isfinite(v) and (not logarithmic or v > 0.0) for v in (x, y))
 
 
+def _down(y: float, half: float, least: float | None) -> float:
+    """Returns how far an error bar reaches down; NaN where there is none."""
+    return half if least is None or not half > y - least else max(y - least, 0.0)
+
+
 @dataclass
 class _Texts:
     """Texts with the places where they belong, in the units of the axes."""
@@ -145,13 +152,15 @@ def _draw_panel(axes: Any, panel: Panel) -> _Texts:
     if not points:
         axes.set_axis_off()
         return _Texts()
-    ends = [(x, y + sign * h) for line in panel.lines for x, y, h in zip(line.x, line.y, line.half) for sign in (-1, 1)]
+    ends = [(x, end) for line in panel.lines for x, y, h in zip(line.x, line.y, line.half)
+            for end in (y - _down(y, h, panel.least), y + h)]
     everything = points + [p for p in ends if _good(*p, log)]
     factors = []
     for axis, name in ((0, panel.x_label), (1, panel.y_label)):
         words, unit = words_and_unit(name)
         factor, unit = (1.0, unit) if log else scale(unit, [p[axis] for p in everything])
-        (axes.set_ylabel if axis else axes.set_xlabel)(label(words, unit), color=INK)
+        text = label(words, unit) + (f"\n{panel.bars}" if axis and panel.bars else "")
+        (axes.set_ylabel if axis else axes.set_xlabel)(text, color=INK)
         factors.append(factor)
     if log:
         axes.set_xscale("log")
@@ -168,13 +177,13 @@ def _draw_panel(axes: Any, panel: Panel) -> _Texts:
         if dots:
             axes.plot(*zip(*dots), linestyle="", alpha=0.35, markersize=5, markeredgewidth=0, transform=where, **style,
                       label=line.name if line.name and not line.x else "_")
-        kept = [(x * factors[0], y * factors[1], h * factors[1]) for x, y, h in
+        kept = [(x * factors[0], y * factors[1], _down(y, h, panel.least) * factors[1], h * factors[1]) for x, y, h in
                 zip(line.x, line.y, [*line.half, *[math.nan] * (len(line.x) - len(line.half))]) if _good(x, y, log)]
         if not kept:
             continue
-        x, y, half = (list(column) for column in zip(*kept))
+        x, y, _, _ = (list(column) for column in zip(*kept))
         axes.plot(x, y, linewidth=1.8, markersize=5, transform=where, **style)
-        bars = [(a, b, min(h, 0.999999 * b) if log else h, h) for a, b, h in kept if math.isfinite(h)]
+        bars = [(a, b, min(low, 0.999999 * b) if log else low, h) for a, b, low, h in kept if math.isfinite(h)]
         if bars:
             at, middle, down, up = zip(*bars)
             axes.errorbar(at, middle, [down, up], fmt="none", ecolor=style["color"], elinewidth=1.2, capsize=3, transform=where)

@@ -31,6 +31,7 @@ from .look import Look
 from .memory import keep_memory
 from .meshes import load_scene
 from .motion import body_velocity, shell_velocity
+from .pace import tell_pace
 from .raster import perspective_camera
 from .soft import speeds
 from .views import as_bytes, draw_scene
@@ -127,6 +128,8 @@ def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | 
     else:
         chosen = choose_frames(frames, STILLS)
         numbers = [k for k, frame in enumerate(frames) if frame in chosen]
+    if film:
+        tell_pace(folder, [frames[k] for k in numbers], rate, speed, spec is None and shot.samples is None)
     if film and speed is not None:
         frames, _ = film_frames([frames[k] for k in numbers], rate, speed)
         numbers, rate = list(range(len(frames))), rate or FPS

@@ -3,10 +3,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..report.appearance import Appearance
 from .frames import MOVING, SOFT, Frame
 from .vtp import PolyData
 
 RUBBER = np.array([[0.78, 0.36, 0.26], [0.30, 0.48, 0.66], [0.42, 0.58, 0.32]])  # colours of the soft bodies, in turn
+MATT = 0.6  # roughness of soft bodies
 FIRST = 1_000_000  # number of the first soft body where they are numbered with rigid ones
 OVERLAP = 1.5  # radii as a multiple of a ball's: neighbours close the gaps
 
@@ -35,6 +37,12 @@ def balls(mesh: PolyData) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarra
 def colours(mesh: PolyData, particle: np.ndarray) -> np.ndarray:
     """Returns colours (m, 3) of triangles that belong to these particles."""
     return RUBBER[mesh.point_data["soft_body"][particle].astype(int) % len(RUBBER)]
+
+
+def look_of_soft(number: int) -> Appearance:
+    """Returns the look of a soft body, by its number."""
+    red, green, blue = RUBBER[number % len(RUBBER)].tolist()
+    return Appearance("plain", (red, green, blue), MATT)
 
 
 def speeds(mesh: PolyData) -> np.ndarray:

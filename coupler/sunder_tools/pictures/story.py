@@ -20,7 +20,7 @@ from .mesh import origin_of_triangles, part_of_points, thickness_of_points
 from .meshes import weld
 from .motion import by_body, colours, parameters, reference_points
 from .rigid import centre_of_mass, fit, quaternion, turn_of
-from .soft import RUBBER, balls
+from .soft import balls, look_of_soft
 from .thick import EDGE, INSIDE, OTHER, OUTSIDE, corner_normals, sides_of_piece, vertex_normals
 from .vtp import PolyData
 
@@ -47,6 +47,8 @@ class Shape:
     velocity: list[np.ndarray] = field(default_factory=list)  # (n, 3) each, against the centre
     drift: list[np.ndarray] = field(default_factory=list)     # (3,) of the centre
     state: tuple[object, ...] = ()  # what decides whether the next frame has the same triangles
+    # (n,) of a rigid shape, whose triangles share no vertices: equal for those that are one point of the surface
+    point: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @property
     def rigid(self) -> bool:
@@ -270,14 +272,16 @@ class Story:
             guess = self._part_of.get(key[1], self._words.shells.index(thing.group) if thing.group in self._words.shells else -1)
             part = np.where(part >= 0, part, guess)
         normals = corner_normals(points, triangles, weld(points))
+        # faces of a closed crack in a piece stay apart; points of a body count as one within a millionth of its size
+        point = np.arange(len(points)) if body.broken else weld((points - centre) / (float(np.ptp(points, axis=0).max()) or 1.0))
         slots, order, first = [], [], 0
         for of in np.unique(part):
-            material, colour = (material_of_shards(int(of), self._words) if body.broken
-                                else material_of_body(key[1], self._words))
+            material, look = (material_of_shards(int(of), self._words) if body.broken
+                              else material_of_body(key[1], self._words))
             for one in (OUTSIDE, INSIDE, EDGE, OTHER):
                 mine = np.flatnonzero((side == one) & (part == of))
                 if len(mine):
-                    slots.append(Slot(slot_name(material, one), colour, first, 3 * len(mine),
+                    slots.append(Slot(slot_name(material, one), look, first, 3 * len(mine),
                                       np.arange(3 * len(mine)).reshape(-1, 3)))
                     order.append(mine)
                     first += 3 * len(mine)
@@ -285,7 +289,7 @@ class Story:
         corners = (points[triangles[which]].reshape(-1, 3) - centre) @ base
         of_corners = body.places[triangles[which]].reshape(-1, 8)
         shape = Shape(slots, k, k, [corners], [normals[which].reshape(-1, 3) @ base], of_corners[:, :3],
-                      np.full(len(corners), np.nan), of_corners[:, 3:5], of_corners[:, 5:])
+                      np.full(len(corners), np.nan), of_corners[:, 3:5], of_corners[:, 5:], point=point[triangles[which]].ravel())
         thing.shapes.append(shape)
         self._open[key] = shape
 
@@ -314,7 +318,7 @@ class Story:
                 shape = None
             if shape is None:
                 count = len(body.points)
-                slot = Slot(thing.name, tuple(RUBBER[key[1] % len(RUBBER)]), 0, count, body.triangles)
+                slot = Slot(thing.name, look_of_soft(key[1]), 0, count, body.triangles)
                 shape = Shape([slot], k, k, [], [], np.full((count, 3), np.nan), np.full(count, np.nan), np.full((count, 2), np.nan),
                               np.full((count, 3), np.nan), state=body.state)
                 thing.shapes.append(shape)

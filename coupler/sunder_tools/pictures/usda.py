@@ -11,6 +11,8 @@ from typing import Any, Iterable, Sequence
 
 import numpy as np
 
+from ..report.appearance import Appearance
+from .materials import OPACITY
 from .story import Shape, Thing
 
 TAB = "    "
@@ -119,20 +121,21 @@ def usda_text(things: list[Thing], times: np.ndarray, fps: float, speed: float |
 
 def _materials(out: _Text, things: list[Thing]) -> dict[str, str]:
     """Writes all materials; returns their paths."""
-    colours = {slot.material: slot.colour for thing in reversed(things) for shape in thing.shapes for slot in shape.slots}
+    looks = {slot.material: slot.look for thing in reversed(things) for shape in thing.shapes for slot in shape.slots}
     taken: set[str] = set()
     paths = {}
     out.open("Scope", "materials")
-    for name in sorted(colours):
-        own, colour = identifier(name, taken), colours[name]
+    for name in sorted(looks):
+        own, look = identifier(name, taken), looks[name]
         paths[name] = f"/run/materials/{own}"
         out.open("Material", own)
         out.add(f"token outputs:surface.connect = <{paths[name]}/preview.outputs:surface>")
         out.open("Shader", "preview")
         out.add('uniform token info:id = "UsdPreviewSurface"')
-        out.add(f"color3f inputs:diffuseColor = ({', '.join(_number(c) for c in _linear(colour))})")
-        out.add(f"float inputs:opacity = {_number(colour[3] if len(colour) > 3 else 1.0)}")
-        out.add("float inputs:roughness = 0.5")
+        out.add(f"color3f inputs:diffuseColor = ({', '.join(_number(c) for c in _linear(look))})")
+        out.add(f"float inputs:opacity = {_number(OPACITY if look.clear else 1.0)}")
+        out.add(f"float inputs:metallic = {_number(look.metallic)}")
+        out.add(f"float inputs:roughness = {_number(look.roughness)}")
         out.add("token outputs:surface")
         out.close()
         out.close()
@@ -140,8 +143,8 @@ def _materials(out: _Text, things: list[Thing]) -> dict[str, str]:
     return paths
 
 
-def _linear(colour: tuple[float, ...]) -> list[float]:
-    return [round(float(c) ** 2.2, 4) for c in colour[:3]]
+def _linear(look: Appearance) -> list[float]:
+    return [round(c, 4) for c in look.linear]
 
 
 def _thing(out: _Text, name: str, thing: Thing, codes: np.ndarray, materials: dict[str, str], rates: np.ndarray) -> None:
@@ -180,13 +183,13 @@ def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dic
         out.samples("vector3f[] velocities", at, [_tuples(rate * v) for rate, v in zip(each, shape.velocity)])
     out.add('normal3f[] normals (interpolation = "vertex")')
     out.samples("normal3f[] normals", at, [_tuples(n) for n in shape.normals])
-    colours = np.concatenate([np.tile(_linear(slot.colour), (len(slot.triangles), 1)) for slot in shape.slots])
+    colours = np.concatenate([np.tile(_linear(slot.look), (len(slot.triangles), 1)) for slot in shape.slots])
     if (colours == colours[0]).all():
         out.add(f'color3f[] primvars:displayColor = {_tuples(colours[:1])} (interpolation = "constant")')
     else:
         out.add(f'color3f[] primvars:displayColor = {_tuples(colours)} (interpolation = "uniform")')
-    if any(len(slot.colour) > 3 for slot in shape.slots):
-        opacity = [slot.colour[3] if len(slot.colour) > 3 else 1.0 for slot in shape.slots for _ in slot.triangles]
+    if any(slot.look.clear for slot in shape.slots):
+        opacity = [OPACITY if slot.look.clear else 1.0 for slot in shape.slots for _ in slot.triangles]
         out.add(f'float[] primvars:displayOpacity = {_list(_number(o) for o in opacity)} (interpolation = "uniform")')
     if np.isfinite(shape.rest).all():
         out.add(f'point3f[] primvars:rest = {_tuples(shape.rest)} (interpolation = "vertex")')

@@ -29,6 +29,8 @@ class PolyData:
     triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), int))    # (m, 3) points
     point_data: dict[str, np.ndarray] = field(default_factory=dict)
     cell_data: dict[str, np.ndarray] = field(default_factory=dict)
+    # (k,) each: TimeValue [s]; where there are shells, shell_name (texts) and shell_area_m2
+    field_data: dict[str, np.ndarray] = field(default_factory=dict)
 
     def of_triangles(self, name: str, default: float) -> np.ndarray:
         """Cell data of the triangles only; `default` everywhere where the array is absent."""
@@ -96,7 +98,7 @@ class _Reader:
         data = PolyData(
             points, verts, lines, line_bounds, polys.reshape(-1, 3),
             self._named(piece, "PointData", count["Points"]),
-            self._named(piece, "CellData", count["Verts"] + count["Lines"] + count["Polys"]))
+            self._named(piece, "CellData", count["Verts"] + count["Lines"] + count["Polys"]), self._fields(root))
         closing = self._data[self._begin + self._end:]
         self._require(re.fullmatch(rb"\s*</AppendedData>\s*</VTKFile>\s*", closing) is not None,
                       "does not end after its last array; truncated or overwritten")
@@ -147,6 +149,30 @@ class _Reader:
         self._require(len(connectivity) == 0 or (connectivity.min() >= 0 and connectivity.max() < count["Points"]),
                       f"{section}: index of a point that does not exist")
         return connectivity.astype(np.int64), bounds
+
+    def _fields(self, root: ElementTree.Element) -> dict[str, np.ndarray]:
+        """Numbers and texts that belong to no point or cell. They are in the header; texts are bytes with a zero after each."""
+        found = {}
+        for element in root.findall("PolyData/FieldData/*"):
+            name, kind = element.get("Name", "?"), element.get("type", "")
+            self._require(element.get("format") == "ascii", f"field {name!r}: format must be 'ascii'")
+            self._require(kind == "String" or kind in TYPES,
+                          f"field {name!r}: type {kind!r}, must be String or one of {', '.join(TYPES)}")
+            words = (element.text or "").split()
+            try:
+                if kind == "String":
+                    texts = bytes(map(int, words)).decode().split("\0")
+                    values = np.array(texts[:-1], str)
+                    if texts[-1]:
+                        raise ValueError(f"the text {texts[-1]!r} has no zero after it")
+                else:
+                    values = np.array([float(word) if TYPES[kind].kind == "f" else int(word) for word in words], TYPES[kind])
+            except (ValueError, OverflowError) as error:
+                raise self._fail(f"field {name!r}: {error}") from None
+            self._require(len(values) == self._integer(element, "NumberOfTuples"),
+                          f"field {name!r}: {len(values)} values, must be {element.get('NumberOfTuples')}")
+            found[name] = values
+        return found
 
     def _named(self, piece: ElementTree.Element, section: str, tuples: int) -> dict[str, np.ndarray]:
         return {a.get("Name", "?"): self._array(a, tuples) for a in piece.findall(f"{section}/DataArray")}

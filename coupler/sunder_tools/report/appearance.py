@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 Colour = tuple[float, float, float]  # sRGB, 0..1
 
+GLASS_IOR = 1.52       # [-] refractive index of what light goes through
 LEAST_METAL = 6500.0  # [kg/m^3], above stone and ceramics
 MOST_CLOTH = 1e6      # [Pa], below rubber
 
@@ -20,6 +21,21 @@ class Appearance:
     kind: str               # glass, metal, cloth, paint or plain
     colour: Colour          # of glass: what is left of white light behind a sheet
     roughness: float = 0.5  # of reflections: 0 as in a mirror, 1 matt
+
+    @property
+    def clear(self) -> bool:
+        """Tells whether light goes through."""
+        return self.kind == "glass"
+
+    @property
+    def metallic(self) -> float:
+        """1 of a metal, whose reflections have its colour, else 0."""
+        return 1.0 if self.kind == "metal" else 0.0
+
+    @property
+    def linear(self) -> Colour:
+        """The colour as light."""
+        return as_linear(self.colour)
 
 
 GLASS = Appearance("glass", (0.56, 0.80, 0.75), 0.0)
