@@ -39,7 +39,7 @@ class Star:
 STARS = (
     Star("struck_glass", (), 8, 0.03, 0.03, 0.0015),
     Star("round_pane", (), 8, 0.015, 0.0135, 0.00075, True),
-    Star("glass", ("end_time_s=1.5e-3",), 1, 0.25, 0.25, 0.00625),
+    Star("glass", ("end_time_s=1.5e-3",), 8, 0.25, 0.25, 0.00625),
 )
 
 
