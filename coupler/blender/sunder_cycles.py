@@ -85,7 +85,7 @@ def _dress(material: Any, looks: dict[str, dict[str, Any]]) -> None:
     kind, colour, rough = look["kind"], (*look["colour"], 1.0), look["roughness"]
     if kind == "glass":
         clear = (*sunder_run.clear_colour(look["colour"]), 1.0)
-        _put(shader, {"Transmission": 1.0, "Transmission Weight": 1.0, "Roughness": rough, "IOR": 1.52, "Base Color": clear})
+        _put(shader, {"Transmission": 1.0, "Transmission Weight": 1.0, "Roughness": rough, "Base Color": clear})
         if material.name.endswith("_edge"):  # light that has gone through the sheet lengthwise is coloured, and scattered
             _put(shader, {"Base Color": tuple(c ** EDGE_DEPTH for c in colour), "Roughness": 0.3, "Transmission": 0.6,
                           "Transmission Weight": 0.6})

@@ -13,8 +13,8 @@ namespace {
 constexpr double kHelloSeconds = 120.0, kLoadSeconds = 120.0, kByeSeconds = 120.0, kNone = 0.0;
 // Deadline of requests that move no body [s].
 constexpr double kLookSeconds = 120.0;
-// Round-off of a mass [-]: an engine may keep its inverse.
-constexpr double kMassDouble = 1e-14, kMassSingle = 1e-6;
+constexpr double kSinglePrecision = 1e-6;  // of a mass [-]
+constexpr double kInverted = 1e-14;        // of a mass that an engine keeps as its inverse while it runs [-]
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // plausible times of the other side's clock
 
 void expect(bool right_kind, const char* request) {
@@ -81,7 +81,7 @@ std::vector<State> RemoteRigid::load(const World& world) {
   const proto::Reply& reply = ask(request, kLoadSeconds, "Load");
   expect(reply.has_load(), "Load");
   const auto states = decode_states(reply.load().states(), moving_);
-  check_masses(states);
+  check_masses(states, 0.0);
   return states;
 }
 
@@ -119,12 +119,12 @@ std::vector<State> RemoteRigid::window(const WindowTask& task) {
   if (reply.window().tick() != task.tick + task.ticks)
     refuse(fmt::format("the rigid process is at tick {}, expected {}", reply.window().tick(), task.tick + task.ticks));
   auto states = decode_states(reply.window().states(), moving_);
-  check_masses(states);
+  check_masses(states, kInverted);
   return states;
 }
 
-void RemoteRigid::check_masses(const std::vector<State>& states) const {
-  const double tolerance = peer_.can(capability::kDoublePrecision) ? kMassDouble : kMassSingle;
+void RemoteRigid::check_masses(const std::vector<State>& states, double round_off) const {
+  const double tolerance = peer_.can(capability::kDoublePrecision) ? round_off : kSinglePrecision;
   for (const State& s : states)
     if (const double sent = masses_.at(s.id); std::abs(s.mass - sent) > tolerance * sent)
       refuse(fmt::format("states[{}].mass: {} kg were loaded, {} kg came back", s.id, sent, s.mass));
@@ -140,7 +140,9 @@ std::vector<State> RemoteRigid::add_bodies(const std::vector<RigidBody>& bodies)
   }
   const proto::Reply& reply = ask(request, kLookSeconds, "AddBodies");
   expect(reply.has_add_bodies(), "AddBodies");
-  return decode_states(reply.add_bodies().states(), expected);
+  auto states = decode_states(reply.add_bodies().states(), expected);
+  check_masses(states, kInverted);
+  return states;
 }
 
 std::string RemoteRigid::save() {

@@ -45,14 +45,15 @@ class RemoteRigid final : public RigidLink {
   proto::Request& fresh_request();
   /// Sends the request and returns the reply, which lives as long as the request.
   proto::Reply& ask(proto::Request& request, double deadline_s, const char* what);
+  /// Throws Error where a body has another mass than the one that was sent, by more than a share `round_off`; of an
+  /// engine of single precision, more than that of its numbers.
+  void check_masses(const std::vector<State>& states, double round_off) const;
+
   std::unique_ptr<Transport> transport_;
   std::function<void(const TimedReply&)> heard_;
   EngineInfo peer_;
   std::uint64_t sequence_ = 0;
   MessageMemory memory_;
-  /// Throws Error where a body has another mass than the one that was sent.
-  void check_masses(const std::vector<State>& states) const;
-
   BodyIds all_, moving_;             // bodies that the engine holds
   std::map<BodyId, double> masses_;  // of those that move [kg]
 };

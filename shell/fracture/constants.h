@@ -94,7 +94,7 @@ constexpr double kResolvedMirror = 5.0;
 /// numerical: five times as many elements along each side is the most that is affordable
 constexpr double kRefinableMirror = 1.0;
 /// [rad]: angle of each arm to the direction of the tip that divides.
-/// derived: that of short arms without shear at their tips (a test finds 26.9 degrees; Katzav et al. 2007 give 27)
+/// derived: that of short arms without shear at their tips (a test finds 26.9 degrees)
 constexpr double kBranchAngle = 27.0 * (std::numbers::pi / 180.0);
 /// [a_c]: length of a whole critical crack; no division and no full resistance over a seam before it is reached.
 /// derived: a_c is half of it (critical_length)

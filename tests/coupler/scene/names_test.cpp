@@ -25,6 +25,12 @@ TEST(EnumValue, IsRefusedWithItsPlaceAndTheNearestRightOne) {
   refused("  bending: STIFF\n", 10, "bending: 'STIFF' is none of its values; they are LAYERED or LINEAR");
 }
 
+TEST(Number, WithAUnitBehindItIsRefusedWithItsPlaceAndAnExample) {
+  const std::string said = refusal(replaced("thickness_m: 0.004", "thickness_m: 4mm")).what();
+  EXPECT_NE(said.find(":8:"), std::string::npos) << said;
+  EXPECT_NE(said.find("numbers are in SI units and have none: 4 mm are 0.004"), std::string::npos) << said;
+}
+
 TEST(Reference, ToANameThatTheSceneDoesNotHaveIsRefusedWithTheNearestRightOne) {
   expect_refusal(replaced("material: \"glass\"\n  thickness", "material: \"galss\"\n  thickness"), "shells[0].material",
                  {"'galss' is no material of this scene (did you mean 'glass'?)"});

@@ -40,6 +40,12 @@ TEST(CheckReport, CountsAreExact) {
     EXPECT_FALSE(reports(said, line)) << line << said;  // the scene has none of it
 }
 
+TEST(CheckReport, TellsWhatLooksLikeAnotherUnit) {
+  const std::string warning = "warning        materials[glass].density is 2.5 kg/m^3, about that of air";
+  EXPECT_TRUE(reports(small_scene::report(with_value("density: 2500", "density: 2.5")), warning));
+  EXPECT_FALSE(reports(small_scene::report(small_scene::kScene), "warning        materials["));
+}
+
 // A compression wave passes an element of h in h sqrt(rho (1 - nu^2) / E). A step is stable below a share of that.
 TEST(CheckReport, SubstepsFollowFromTheStableStep) {
   const std::string said = small_scene::report(small_scene::kScene);
