@@ -36,7 +36,7 @@ class Star:
     round: bool = False
 
 
-# Each until its cracks have stopped: lines along the border come last.
+# To the end of the scene, and glass until its cracks have stopped: lines along its border come last.
 STARS = (
     Star("struck_glass", (), 8, 0.03, 0.03, 0.0015),
     Star("round_pane", (), 8, 0.015, 0.0135, 0.00075, True),
