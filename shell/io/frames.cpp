@@ -106,11 +106,27 @@ bool is_stretched(const VtpMesh& mesh, const VtpArray& displacement, const std::
   return false;
 }
 
-// Place of a triangle among those of its shell, by its centre in parameters.
-TornTriangles::value_type place_of(const ShellModel& m, const Vec2& centre) {
-  constexpr double kPart = 1e-6;  // of an element: centres differ by more
-  const Vec2 at = centre / (kPart * m.spacing);
-  return {std::llround(at.x()), std::llround(at.y())};
+using Corners = TornTriangles::mapped_type::value_type;
+
+std::array<int, 2> spans_of(const ShellModel& m, const Vec2& p) {
+  return {m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
+}
+
+bool contains(const Corners& c, const Vec2& p) {
+  for (int k = 0; k < 3; ++k)
+    if (triangle_area(c.col(k), c.col((k + 1) % 3), p) < 0.0) return false;
+  return true;
+}
+
+// Tests whether a point lies in a torn triangle. Those are tried whose centres are in its element or in one beside it:
+// few triangles are wider.
+bool lies_in(const TornTriangles& torn, const std::array<int, 2>& spans, const Vec2& p) {
+  for (int i = spans[0] - 1; i <= spans[0] + 1; ++i)
+    for (int j = spans[1] - 1; j <= spans[1] + 1; ++j)
+      if (const auto it = torn.find({i, j}); it != torn.end())
+        for (const Corners& c : it->second)
+          if (contains(c, p)) return true;
+  return false;
 }
 
 // Returns the id that most control points of a piece have; of several such, the lowest.
@@ -247,10 +263,10 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
       polygon.push_back(it->second);
     }
     if (!m.laminated()) {
-      const TornTriangles::value_type place = place_of(m, centre);
-      if (torn.count(place) > 0) continue;
+      const std::array<int, 2> spans = spans_of(m, centre);
+      if (lies_in(torn, spans, centre)) continue;
       if (is_stretched(mesh, displacement, polygon, most_stretch(m, s, centre))) {
-        torn.insert(place);
+        torn[spans].emplace_back() << t.vertices[c[0]], t.vertices[c[1]], t.vertices[c[2]];
         continue;
       }
     }

@@ -1,10 +1,8 @@
 #pragma once
 // Writes frames: shells, cracks and bodies as .vtp files, listed in frames.pvd.
 #include <array>
-#include <cstdint>
 #include <functional>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -25,9 +23,10 @@ struct FrameFields {
   std::function<Vec3(std::size_t body, const Vec3& at)> velocity{};
 };
 
-/// Triangles of a shell that were once too stretched to be drawn, by their places. What is torn stays torn, so that no
-/// film flickers where it springs back.
-using TornTriangles = std::set<std::array<std::int64_t, 2>>;
+/// Triangles of a shell that were once too stretched to be drawn: their corners in parameters, a column each [m], by
+/// the knot spans (u, v) of their centres. What is torn stays torn, so that no film flickers where it springs back or
+/// where cracks divide it again.
+using TornTriangles = std::map<std::array<int, 2>, std::vector<Eigen::Matrix<double, 2, 3>>>;
 
 /// Writes one frame after another into a folder.
 class FrameWriter {

@@ -67,6 +67,10 @@ open({out!r}, "w").write(json.dumps(frames))
 """
 FOLLOWED = 20
 BARE = 0.06  # share of a piece's area that frames leave out: they draw back from cracks, and omit torn triangles
+# Most that the drawn area of a piece grows where a new crack divides the triangles beside an old one, by share. Frames draw
+# each corner back by a hundredth of its way to the centre of the triangles around it; new triangles may be so small that they
+# draw nothing back.
+GROWS = 1.0 / 0.99**2
 PANE, RELATIVE = 0.5, 1e-6  # [m] side of the pane; error of a place, of single precision
 ONE_WINDOW = 5e-5  # [s]
 
@@ -139,7 +143,7 @@ class Ids(unittest.TestCase):
             if born == 0:
                 continue  # a splinter
             # a piece loses area where parts of it break off, and never gains any but what is drawn beside a crack
-            self.assertTrue(all(after <= before * 1.001 for before, after in zip(track.area[:born], track.area[1:born])),
+            self.assertTrue(all(after <= before * GROWS for before, after in zip(track.area[:born], track.area[1:born])),
                             f"shard {i}: {track.area}")
             self.assertGreater(track.area[born - 1], (1.0 - BARE) * row["area [m^2]"])
             self.assertAlmostEqual(track.time[born] - track.time[born - 1], ONE_WINDOW, delta=1e-9)

@@ -80,3 +80,20 @@ TEST(Frames, WhatIsTornStaysTorn) {
   pane.write(fresh, 0.0);
   EXPECT_EQ(triangles(pane.folder + "/fresh", 0), whole);
 }
+
+TEST(Frames, CracksThatDivideWhatIsTornDrawNothingOfIt) {
+  Drawn pane;
+  FrameWriter frames(pane.folder);
+  pane.write(frames, 0.0);
+  pane.pull(1.0);
+  pane.write(frames, 1.0);
+  pane.pull(-1.0);
+  const int torn = triangles(pane.folder, 0) - triangles(pane.folder, 1);
+  ASSERT_GT(torn, 4);
+  insert_polyline(pane.model, pane.state, {{0.06, 0.108}, {0.14, 0.112}}, 0.0);  // from end to end of what is torn
+  pane.write(frames, 2.0);
+  FrameWriter fresh(pane.folder + "/fresh");
+  pane.write(fresh, 0.0);
+  const int divided = triangles(pane.folder + "/fresh", 0) - triangles(pane.folder, 2);
+  EXPECT_GT(divided, torn);  // each of them, or more parts of it
+}
