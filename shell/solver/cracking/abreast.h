@@ -1,0 +1,18 @@
+#pragma once
+// Tips that run abreast, and the energy that they have together.
+#include <span>
+#include <vector>
+
+#include "shell/solver/cracking/tip_drive.h"
+#include "shell/solver/model.h"
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+/// Share of its energy release [-] that each tip may spend. Mean stress ahead counts the same energy for each of
+/// several tips that go the same way and are too near for a ring of their own. Together they have what the strongest
+/// would have alone: share = max g / sum g over the tip and those abreast of it, g = ratio^2. 1 for a tip with a ring,
+/// or alone, or dead. `drives` are those of `tips`, before shares.
+std::vector<double> shares_abreast(const ShellModel& model, std::span<const Tip> tips, std::span<const Drive> drives);
+
+}  // namespace sunder::shell
