@@ -1,10 +1,13 @@
 #include "shell/solver/cracking/abreast.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sunder::shell {
 
-std::vector<double> shares_abreast(const ShellModel& m, std::span<const Tip> tips, std::span<const Drive> drives) {
+std::vector<double> shares_abreast(const ShellModel& m, const CrackRules& r, std::span<const Tip> tips,
+                                   std::span<const Drive> drives) {
+  const double fall = 0.5 * kRadialFall / (r.tip_radius * r.tip_radius);
   const auto shares = [&](std::size_t k) { return tips[k].alive && drives[k].release < 0.0; };
   std::vector<double> out(tips.size(), 1.0);
   for (std::size_t i = 0; i < tips.size(); ++i) {
@@ -12,10 +15,11 @@ std::vector<double> shares_abreast(const ShellModel& m, std::span<const Tip> tip
     if (!shares(i) || !(own > 0.0)) continue;
     double most = own, sum = own;
     for (std::size_t k = 0; k < tips.size(); ++k) {
-      if (k == i || !shares(k) || !((tips[k].p - tips[i].p).norm() < kReleaseLeast * m.spacing) ||
+      const double apart = (tips[k].p - tips[i].p).squaredNorm();
+      if (k == i || !shares(k) || !(apart < std::pow(kReleaseLeast * m.spacing, 2)) ||
           !(tips[k].direction.dot(tips[i].direction) > 0.0))
         continue;
-      const double other = drives[k].ratio * drives[k].ratio;
+      const double other = std::exp(-fall * apart) * drives[k].ratio * drives[k].ratio;
       most = std::max(most, other), sum += other;
     }
     out[i] = most / sum;
