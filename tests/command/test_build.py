@@ -100,7 +100,7 @@ class Building(unittest.TestCase):
         before = first_use.read(kept.parent)
         self.assertEqual((list(before), before["first_install_s"]), (list(first_use.KEYS), 24.0))
         made_with = first_use.made_with(kept.parent)
-        self.assertEqual({"commit", "date", "processor", "cores", "load", "compiler"}, set(made_with))
+        self.assertEqual({"commit", "date", "system", "processor", "cores", "load", "compiler"}, set(made_with))
         (self.folder / "CMakeCache.txt").unlink()
         self.commands.clear()
         build.ensure_built()

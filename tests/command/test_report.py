@@ -104,11 +104,13 @@ class Status(unittest.TestCase):
 
     def test_the_times_of_both_commands_are_those_that_are_kept(self) -> None:
         kept = {"first_install_s": 60.0, "first_build_s": 150.0, "first_build_steps": 9.0, "first_picture_s": 299.0}
-        told = results.times([results.result_of("first_use", kept, 299.0, WITH)])
-        self.assertIn("\nOn 2 cores: 5.0 min to the first picture, with 1.0 min of installing and 2.5 min of building; within the goal "
-                      "of 5 min. The second command has not been timed (abc, 2000-01-02).\n", told)
-        told = results.times([results.result_of("first_use", {**kept, "first_picture_s": 301.0, "first_test_s": 1200.0}, 1.0, WITH)])
-        self.assertIn("; not within the goal of 5 min. The second command takes 20.0 min (", told)
+        told = results.times([results.result_of("first_use", {"debian_12": kept}, 299.0, WITH, "debian_12")])
+        self.assertIn("\n- Debian 12, 2 cores: 5.0 min to the first picture (goal 5), 1.0 of installing and 2.5 of building; "
+                      "the second command has not been timed (abc, 2000-01-02).\n", told)
+        first = results.result_of("first_use", {"debian_12": kept}, 299.0, WITH, "debian_12")
+        later = {**kept, "first_picture_s": 301.0, "first_test_s": 1200.0}
+        told = results.times([first.with_numbers(results.result_of("first_use", {"debian_13": later}, 1.0, WITH, "debian_13"))])
+        self.assertRegex(told, r"\n- Debian 12, [^\n]*\n- Debian 13, [^\n]*; 20.0 min for the second command \(")
 
     def test_rows_are_judged_by_the_list_as_it_is_now(self) -> None:
         folder = self.readme.parent
@@ -123,7 +125,7 @@ class Status(unittest.TestCase):
 
     def test_the_first_picture_is_judged_by_its_goal(self) -> None:
         for seconds, verdict in ((300.0, "pass"), (301.0, "known"), (1e4, "fail")):
-            found = results.today([results.result_of("first_use", {"first_picture_s": seconds}, seconds, WITH)])
+            found = results.today([results.result_of("first_use", {"debian_12": {"first_picture_s": seconds}}, seconds, WITH, "debian_12")])
             self.assertEqual([row["verdict"] for row in found[0].rows], [verdict])
             self.assertIn(f"1 {verdict}; 1 numbers in", results.page("Results", found))
 
@@ -146,6 +148,8 @@ class Reporting(unittest.TestCase):
         self.said = io.StringIO()
         self.cases: list[str | None] = []
         self.rigid: str | None = None
+        self.debs: list[Path | None] = []
+        self.ratio = 1.01
         for context in (contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO()),
                         mock.patch.object(report, "circumstances", lambda build: WITH)):
             context.__enter__()
@@ -170,8 +174,13 @@ class Reporting(unittest.TestCase):
 
         with mock.patch.object(report, "validate", validate), mock.patch.object(report, "bench", bench), \
                 mock.patch.object(report, "bench_runs", bench_runs), \
+                mock.patch.object(report, "measure_package", self.measured), \
                 mock.patch.object(report, "case_names", lambda suite: ("roof", "share", "long", "longer")):
             return sunder(["report", *suites, "--json-dir", str(self.top)])
+
+    def measured(self, deb: Path | None) -> dict[str, float]:
+        self.debs.append(deb)
+        return {"package_force_time_ratio": self.ratio}
 
     def page(self, room: str = "validation") -> str:
         return (self.top / room / "RESULTS.md").read_text()
@@ -270,7 +279,7 @@ class Reporting(unittest.TestCase):
 
     def test_all_are_run_where_none_is_named_and_one_that_fails_is_the_status(self) -> None:
         self.assertEqual(self.report(status=1, found=CASES), 1)
-        self.assertEqual({path.stem for path in self.top.rglob("results/*.json")}, {*report.SUITES} - {results.FIRST_USE})
+        self.assertEqual({path.stem for path in self.top.rglob("results/*.json")}, {*report.SUITES} - {*report.KEPT})
         self.assertIn(f"these suites fail: {', '.join(report.VALIDATIONS)}\n", self.said.getvalue())
 
     def test_the_first_use_of_a_new_checkout_is_kept(self) -> None:
@@ -287,9 +296,47 @@ class Reporting(unittest.TestCase):
             (builds / "first_use.json").write_text(json.dumps({**times, "first_test_s": 2000.0, "made_with": WITH}))
             self.assertEqual(self.report("first_use"), 0)
         self.assertIn("| first_test_s | 2000 |", self.page("benchmarks"))
-        self.assertIn("5 numbers in 2900 s.", self.page("benchmarks"))
-        self.assertIn(f"| all | {WITH['commit']} |", self.page("benchmarks"))
+        self.assertIn("6 numbers in 2900 s.", self.page("benchmarks"))
+        self.assertIn(f"| {machine.system()} | {WITH['commit']} |", self.page("benchmarks"))
         self.assertNotIn("first_use", results.status(results.read_all(self.top / "benchmarks" / "results")))
+
+    def test_times_of_two_distributions_stand_beside_one_another(self) -> None:
+        builds = self.top / "build"
+        builds.mkdir()
+        times = {"first_install_s": 50.0, "first_build_s": 700.0, "first_build_steps": 190.0, "first_picture_s": 900.0}
+        with mock.patch.object(report, "build_dir", lambda: builds / "release"), mock.patch.object(report, "system", lambda: "debian_13"):
+            self.assertEqual(self.report_first(builds, times, WITH), 0)
+            self.assertEqual(self.report_first(builds, {**times, "first_install_s": 60.0}, {**WITH, "system": "debian_12"}), 0)
+            self.assertIn("| first_run_s | 140 | 150 |", self.page("benchmarks"))
+            self.assertEqual(self.report_first(builds, {**times, "first_install_s": 70.0}, {**WITH, "system": "debian_13"}), 0)
+            self.assertEqual(self.report_first(builds, {**times, "first_picture_s": 9000.0}, {**WITH, "system": "debian_13"}), 1)
+        self.assertIn("| key | debian_12 | debian_13 |\n| --- | --: | --: |\n| first_install_s | 60 | 50 |\n", self.page("benchmarks"))
+        self.assertRegex(self.page("benchmarks"), r"\| debian_12.first_picture_s \| 900 \| 300 \| .* known ")
+        self.assertRegex(self.page("benchmarks"), r"\| debian_13.first_picture_s \| 9000 \| 300 \| .* fail ")
+        self.assertIn("1 known, 1 fail; 10 numbers in ", self.page("benchmarks"))
+
+    def report_first(self, builds: Path, times: dict[str, float], made_with: dict[str, object]) -> int:
+        (builds / "first_use.json").write_text(json.dumps({**times, "made_with": made_with}))
+        return self.report("first_use")
+
+    def test_a_package_that_is_slower_is_the_status(self) -> None:
+        self.assertEqual(self.report("package"), 0)
+        self.assertIn("| package_force_time_ratio | 1.01 | ≤ 1.05 | ≤ 1.05 |", self.page("benchmarks"))
+        self.ratio = 1.06
+        self.assertEqual(self.report("package", "--deb", "made.deb"), 1)
+        self.assertEqual(self.debs, [None, Path("made.deb")])
+        self.assertIn("these suites fail: package\n", self.said.getvalue())
+
+    def test_steps_of_ci_are_kept(self) -> None:
+        builds = self.top / "build"
+        builds.mkdir()
+        with mock.patch.object(report, "build_dir", lambda: builds / "release"):
+            self.assertEqual(self.report("ci"), 2)
+            self.assertIn("ci.txt lacks programs, tests_built, tests: run '.ci/run' to its end", self.said.getvalue())
+            for tests, status in ((500, 0), (501, 1)):
+                (builds / "ci.txt").write_text(f"{machine.commit().rstrip('+')}\nprograms 300\ntests_built 400\ntests {tests}\n")
+                self.assertEqual(self.report("ci"), status)
+        self.assertIn("| ci_s | 1201 | ≤ 1.2e+03 | ≤ 1.2e+03 |", self.page("benchmarks"))
 
     def test_a_suite_that_breaks_leaves_the_earlier_result(self) -> None:
         self.assertEqual(self.report("shells", found=CASES), 0)
@@ -306,7 +353,8 @@ class Reporting(unittest.TestCase):
         for arguments, words in ((["shels"], "did you mean 'shells'"), (["bench", "--no-run"], "leave 'bench' out"),
                                  (["--case", "roof"], "goes with one suite"), (["bench", "--case", "x"], "goes with one suite"),
                                  (["shells", "soft", "--case", "x"], "goes with one suite"),
-                                 (["shells", "--case", "x", "--no-run"], "leave 'shells' out")):
+                                 (["shells", "--case", "x", "--no-run"], "leave 'shells' out"),
+                                 (["shells", "--deb", "x.deb"], "--deb goes with the suite 'package' alone")):
             self.assertEqual(sunder(["report", *arguments, "--json-dir", str(self.top)]), 2)
             self.assertIn(words, self.said.getvalue())
         self.assertEqual(list(self.top.iterdir()), [])
@@ -319,6 +367,9 @@ class Machine(unittest.TestCase):
             (folder / "cpuinfo").write_text("processor\t: 0\nmodel name\t: Some   CPU 3 GHz\nmodel name\t: Other\n")
             self.assertEqual(machine.processor(folder / "cpuinfo"), "Some CPU 3 GHz")
             self.assertEqual(machine.processor(folder / "none"), "unknown")
+            (folder / "os-release").write_text('NAME="Some OS"\nVERSION_ID="13"\nVERSION="13 (x)"\nID=debian\n')
+            self.assertEqual(machine.system(folder / "os-release"), "debian_13")
+            self.assertEqual(machine.system(folder / "none"), "unknown")
             (folder / "c++").write_text("#!/bin/sh\necho c++ 1.2 $1\necho more\n")
             (folder / "c++").chmod(0o755)
             (folder / "CMakeCache.txt").write_text(f"CMAKE_CXX_COMPILER:FILEPATH={folder}/c++\n")

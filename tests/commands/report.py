@@ -14,16 +14,21 @@ from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER
 from sunder_tools.launch import first_use
 from sunder_tools.launch.build import build_dir
 from sunder_tools.places import REPOSITORY
-from sunder_tools.report.machine import circumstances
+from sunder_tools.report.machine import circumstances, system
 from sunder_tools.words import did_you_mean
 
+from ..benchmarks import ci
+from ..benchmarks.goals import beyond
+from ..benchmarks.package import measure_package
+from ..validation import first_times
 from ..validation.known import WITHOUT_LIST
-from ..validation.measure import VALIDATIONS, bench, bench_runs, case_names, validate
-from ..validation.results import (BENCH, BENCH_RUNS, FIRST_USE, NUMBERS, WHOLE, Result, page, put_status, read_all, replace,
-                                  result_of, today, write)
+from ..validation.measure import VALIDATIONS, bench, bench_runs, case_names, keep_judged, validate
+from ..validation.results import (BENCH, BENCH_RUNS, CI, FIRST_USE, NUMBERS, PACKAGE, WHOLE, Result, page, put_status, read_all,
+                                  replace, result_of, today, write)
 
 NAME = "report"
-SUITES = (*VALIDATIONS, BENCH, BENCH_RUNS, FIRST_USE)
+KEPT = (CI, FIRST_USE)  # suites that run nothing: they keep what was measured when something else ran
+SUITES = (*VALIDATIONS, BENCH, BENCH_RUNS, PACKAGE, *KEPT)
 PICTURES = "pictures"
 TITLES = {"validation": "Results of validation", "benchmarks": "Results of benchmarks"}  # of pages, by folder of tests/
 
@@ -35,9 +40,10 @@ def add_parser(subparsers: Subparsers) -> None:
         "Runs the suites named, all where none is, and keeps the JSON of each in tests/validation/results and\n"
         "tests/benchmarks/results. Writes RESULTS.md beside both and the status lines of README.md, from all JSON\n"
         "that is there: a suite can be renewed alone, with --case one case of it, and with --rigid the rows of one engine.\n"
-        "Rows are judged by the lists of known failures as they are now. Ctrl-C keeps the cases that ran. first_use runs\n"
-        "nothing: it keeps what the first picture of this checkout took, on a machine that had nothing. Exit status 1 where\n"
-        "a suite fails.\n"
+        "Rows are judged by the lists of known failures as they are now. Ctrl-C keeps the cases that ran. package\n"
+        "builds the Debian package, runs a scene with it, and measures its programs beside those of this checkout. Two run\n"
+        "nothing. first_use keeps what the first picture of this checkout took, on a machine that had nothing, beside the\n"
+        "times of other distributions; ci keeps what the steps of .ci/run took. Exit status 1 where a suite fails.\n"
         "'pictures' instead of a suite draws the pictures that pages show, which takes hours; with --picture one of them.\n"
         "Exit status 1 where this machine cannot draw one, which then stays as it is.",
         "sunder report shells contact\nsunder report cracks --case mirror\nsunder report pictures --picture glass")
@@ -52,6 +58,7 @@ def add_parser(subparsers: Subparsers) -> None:
                         help="with 'pictures': draw this one only, e.g. glass for scenes/glass.png; may be given again")
     parser.add_argument("--runs", metavar="DIR", type=Path,
                         help="with 'pictures': take the run of a scene from DIR/NAME, or run it into there")
+    parser.add_argument("--deb", metavar="FILE", type=Path, help="with 'package': measure this package, and build none")
     parser.add_argument("--no-run", action="store_true", help="run nothing: write the pages anew from the JSON")
 
 
@@ -75,11 +82,13 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.rigid is not None and not arguments.rigid.isidentifier():
         raise CommandError(f"report: --rigid {arguments.rigid}: the page has engines of this project, by their names; for a program "
                            "of yours take 'sunder validate engines --rigid PROGRAM'", BAD_INPUT)
+    if arguments.deb is not None and arguments.suites != [PACKAGE]:
+        raise CommandError("report: --deb goes with the suite 'package' alone, as in 'sunder report package --deb sunder.deb'", BAD_INPUT)
     top = arguments.json_dir or REPOSITORY / "tests"
-    suites = () if arguments.no_run else arguments.suites or SUITES[:-1]
+    suites = () if arguments.no_run else arguments.suites or tuple(suite for suite in SUITES if suite not in KEPT)
     failed, ended = [], DONE
     for suite in suites:
-        ended = run_suite(suite, folder_of(suite, top), arguments.case, arguments.rigid)
+        ended = run_suite(suite, folder_of(suite, top), arguments.case, arguments.rigid, arguments.deb)
         if ended == INTERRUPTED:
             break
         if ended != DONE:
@@ -107,18 +116,21 @@ def folder_of(suite: str, top: Path) -> Path:
     return top / ("benchmarks" if suite in NUMBERS else "validation") / "results"
 
 
-def run_suite(suite: str, folder: Path, case: str | None = None, rigid: str | None = None) -> int:
+def run_suite(suite: str, folder: Path, case: str | None = None, rigid: str | None = None, deb: Path | None = None) -> int:
     """Runs a suite, or one case or engine of it, and keeps what it gives; returns its exit status. One that breaks leaves the
     earlier result. One that is interrupted renews the cases that ran; benchmarks are kept all or none."""
     only = case or rigid
     print(f"sunder: {suite}{f', {only}' if only else ''}", file=sys.stderr, flush=True)
-    if suite == FIRST_USE:
-        return DONE if keep_first_use(folder, build_dir().parent) else CHECK_FAILED
+    if suite in KEPT:
+        good = (keep_first_use if suite == FIRST_USE else keep_ci)(folder, build_dir().parent)
+        return DONE if good else CHECK_FAILED
     made_with, start = circumstances(build_dir()), time.monotonic()
     with tempfile.TemporaryDirectory(prefix="report-sunder-") as temporary:
         numbers = Path(temporary) / f"{suite}.json"
         try:
-            if suite in (BENCH, BENCH_RUNS):
+            if suite == PACKAGE:
+                ended = keep_judged(measure_package(deb), numbers)
+            elif suite in (BENCH, BENCH_RUNS):
                 ended = bench(None, numbers) if suite == BENCH else bench_runs(numbers)
             else:
                 ended = validate(suite, case, numbers, None, known=suite not in WITHOUT_LIST,
@@ -135,7 +147,7 @@ def run_suite(suite: str, folder: Path, case: str | None = None, rigid: str | No
             return CHECK_FAILED
         found = json.loads(numbers.read_text())
     seconds = time.monotonic() - start
-    earlier = next((kept for kept in read_all(folder) if kept.suite == suite), None)
+    earlier = _earlier(suite, folder)
     if "engines" in found and (rigid or ended == INTERRUPTED):
         result = _with_engines(earlier, found["engines"], seconds, made_with)
     elif ended == INTERRUPTED:
@@ -171,15 +183,30 @@ def _with_cases(result: Result | None, suite: str, found: dict[str, Any], made_w
 
 
 def keep_first_use(folder: Path, builds: Path) -> bool:
-    """Keeps what the first picture took. Raises CommandError where this checkout has not been built from nothing."""
+    """Keeps what the first picture took on this distribution, beside others. Raises CommandError where this checkout has not
+    been built from nothing."""
     found, made_with = first_use.read(builds), first_use.made_with(builds)
     if not set(first_use.KEYS) <= set(found) or not made_with:
         raise CommandError(f"report: {builds / first_use.FILE} does not tell of a first use: run 'coupler/sunder run "
                            "scenes/glass.textproto' in a new checkout on a machine without its packages, then this", BAD_INPUT)
     seconds = found["first_picture_s"] + found.get(first_use.TEST_KEY, 0.0)
-    result = result_of(FIRST_USE, dict(found), seconds, made_with)
-    write(result, folder)
-    return not today([result])[0].count("fail")
+    name = str(made_with.get("system") or system())
+    result = result_of(FIRST_USE, {name: first_times.with_run(found)}, seconds, made_with, name)
+    good = not today([result])[0].count("fail")
+    earlier = _earlier(FIRST_USE, folder)
+    write(earlier.with_numbers(result) if earlier else result, folder)
+    return good
+
+
+def keep_ci(folder: Path, builds: Path) -> bool:
+    """Keeps what the steps of .ci/run took. Raises CommandError where it has not run to its end on this commit."""
+    numbers, made_with = ci.read(builds / ci.FILE), circumstances(build_dir())
+    write(result_of(CI, dict(numbers), numbers[ci.WHOLE], made_with), folder)
+    return not beyond(numbers)
+
+
+def _earlier(suite: str, folder: Path) -> Result | None:
+    return next((kept for kept in read_all(folder) if kept.suite == suite), None)
 
 
 def kept(top: Path, room: str) -> list[Result]:

@@ -201,9 +201,14 @@ def bench_runs(report: Path | None) -> int:
         _can_write(report)
     from ..benchmarks.runs import measure_runs  # numpy and PIL only now
     found = measure_runs(ensure_built())
+    return keep_judged(found, report)
+
+
+def keep_judged(numbers: dict[str, float], report: Path | None) -> int:
+    """Writes numbers where that is asked, and prints them beside goals and limits; returns the exit status."""
     if report is not None:
-        _write(report, json.dumps(_without_nan(found), indent=1) + "\n")
-    return judged(found)
+        _write(report, json.dumps(_without_nan(numbers), indent=1) + "\n")
+    return judged(dict(numbers))
 
 
 def judged(numbers: dict[str, float | None]) -> int:

@@ -25,6 +25,7 @@ SLURM_PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")  # for a test 
 BROWSER_PACKAGES = ("chromium",)  # for a test only, of the viewer's page
 FILM_PACKAGES = ("ffmpeg",)  # for `sunder render --film`
 BLENDER_PACKAGES = ("blender",)  # for `sunder render --cycles`
+PACKAGE_PACKAGES = ("dpkg-dev", "file")  # for cpack, which makes the Debian package
 PLOT_PACKAGES = ("python3-matplotlib",)  # for plots of series, trades and validations
 # OpenCASCADE. Its CMake files ask for those of TBB, and since 7.8 for fontconfig, on which its package does not depend.
 CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev", "libfontconfig-dev")

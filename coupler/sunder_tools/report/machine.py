@@ -1,4 +1,4 @@
-"""What a measurement was made with: processor, load, compiler, commit. Never the name of the machine."""
+"""What a measurement was made with: system, processor, load, compiler, commit. Never the name of the machine."""
 from __future__ import annotations
 
 import os
@@ -19,6 +19,15 @@ def processor(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
     except OSError:
         return UNKNOWN
     return " ".join(found[1].split()) if found else UNKNOWN
+
+
+def system(release: Path = Path("/etc/os-release")) -> str:
+    """Distribution and its version as a key, such as 'debian_13'; 'unknown' where the system does not say."""
+    try:
+        said = dict(re.findall(r'^(\w+)="?([^"\n]*)"?$', release.read_text(), re.MULTILINE))
+    except OSError:
+        return UNKNOWN
+    return "_".join(said[key] for key in ("ID", "VERSION_ID") if said.get(key)) or UNKNOWN
 
 
 def cores() -> int:
@@ -49,7 +58,7 @@ def commit(repository: Path = REPOSITORY) -> str:
 
 def circumstances(build: Path) -> dict[str, object]:
     """All of it, the date, and the load of the last minute: what else kept the cores busy."""
-    return {"commit": commit(), "date": date.today().isoformat(), "processor": processor(), "cores": cores(),
+    return {"commit": commit(), "date": date.today().isoformat(), "system": system(), "processor": processor(), "cores": cores(),
             "load": round(os.getloadavg()[0], 1), "compiler": compiler(build)}
 
 
