@@ -17,7 +17,7 @@ from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.words import did_you_mean
 
-from ..benchmarks import goals
+from ..benchmarks import against, goals
 from ..conformance import suites
 from .experiments import EXPERIMENTS, Table, run_experiments
 from .extremes.suite import validate_extremes
@@ -192,6 +192,18 @@ def bench(pattern: str | None, report: Path | None, profile: Path | None = None)
         if profile is not None:
             _draw_kernels(found, profile)
     return judged(found)
+
+
+def bench_other(folder: Path, pattern: str | None, rounds: int, report: Path | None) -> int:
+    """Compares the benchmarks with those of another build folder. The exit status is 1 where a kernel is slower than there.
+    Raises CommandError."""
+    if report is not None:
+        _can_write(report)
+    against.other_program(folder)  # before anything is built
+    table, status = against.bench_against(program("sunder-bench"), folder, pattern, rounds)
+    if report is not None and table:
+        _write(report, json.dumps(_without_nan({"cases": [one.row for one in table]}), indent=1) + "\n")
+    return status
 
 
 def bench_runs(report: Path | None) -> int:
