@@ -235,6 +235,9 @@ EXPERIMENTS = {"shells": (
 ), "surfaces": (
     Experiment("models", "mass of the shells of meshes of scenes against the sum over their triangles",
                _later("mesh_models", "mesh_models")),
+    Experiment("mutated", "forty thousand mutated meshes, two hundred mutated CAD files: read or refused, no crash",
+               _later("mutated", "mutated")),
+    Experiment("mutated_million", "the same of a million files", _later("mutated", "mutated_million"), by_name=True),
     Experiment("public", "CAD files and meshes that others published, fetched from Debian's archive, which it needs",
                _later("public_files", "public_files"), by_name=True),
 )}
