@@ -107,15 +107,28 @@ void denominators(const Patch& patch, const Basis& bu, const Basis& bv, int span
   std::copy(w, w + kRationalFields, out);
 }
 
-}  // namespace
-
-GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int lane) {
-  if (!t.trimmed.empty()) return t.trimmed[static_cast<std::size_t>(block) * t.lanes + lane];
+GaussPoint untrimmed_point(const Patch& patch, const RowTables& t, int block, int lane) {
   const GaussRule& rule = gauss_rule(t.gauss);
   const int row = block / t.gauss, a = block % t.gauss, f = row / t.gauss, b = row % t.gauss;
   const double lu = patch.knots_u.span_length(lane), lv = patch.knots_v.span_length(f);
   return {{gauss_parameter(patch.knots_u, rule, lane, a), gauss_parameter(patch.knots_v, rule, f, b)},
           0.25 * lu * lv * rule.weight[a] * rule.weight[b]};
+}
+
+}  // namespace
+
+GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int lane) {
+  if (!t.trimmed.empty()) return t.trimmed[static_cast<std::size_t>(block) * t.lanes + lane];
+  return untrimmed_point(patch, t, block, lane);
+}
+
+bool is_whole_element(const Patch& patch, const RowTables& t, int span_u, int span_v) {
+  const int each = t.gauss * t.gauss;
+  for (int block = span_v * each; block < (span_v + 1) * each; ++block) {
+    const GaussPoint here = gauss_point(patch, t, block, span_u), rule = untrimmed_point(patch, t, block, span_u);
+    if (here.weight != rule.weight || here.parameter != rule.parameter) return false;
+  }
+  return true;
 }
 
 namespace {
@@ -130,7 +143,7 @@ std::vector<GaussPoint> trimmed_points(const Patch& patch, const RowTables& t, c
       const Vec2 low(patch.knots_u.span_begin(e), patch.knots_v.span_begin(f));
       const Vec2 size(patch.knots_u.span_length(e), patch.knots_v.span_length(f));
       const auto at = [&](int k) -> GaussPoint& { return out[static_cast<std::size_t>(f * each + k) * t.lanes + e]; };
-      for (int k = 0; k < each; ++k) at(k) = gauss_point(patch, t, f * each + k, e);
+      for (int k = 0; k < each; ++k) at(k) = untrimmed_point(patch, t, f * each + k, e);
       if (size.prod() == 0.0) continue;
       const bool cut = trim.cuts(low, low + size);
       if (!cut && trim.contains(low + 0.5 * size)) continue;

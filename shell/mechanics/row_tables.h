@@ -110,6 +110,8 @@ RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, c
                           const std::string& field, const TrimLoops& trim = {}, const ThicknessFactor& factor = {});
 
 GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int lane);
+/// Whether trims leave all of an element: its Gauss points are those of the rule.
+bool is_whole_element(const Patch& patch, const RowTables& t, int span_u, int span_v);
 
 /// Parameter of Gauss point k of a span, along one direction.
 inline double gauss_parameter(const KnotVector& knots, const GaussRule& rule, int span, int k) {

@@ -270,8 +270,7 @@ void find_points(ShellModel& m) {
   trim.reach = t.degree;
   for (int f = 0; f < t.spans_v; ++f)
     for (int e = 0; e < t.spans_u; ++e) {
-      bool own = trim.loops.cuts({m.patch.knots_u.span_begin(e), m.patch.knots_v.span_begin(f)},
-                                 {m.patch.knots_u.span_begin(e + 1), m.patch.knots_v.span_begin(f + 1)});
+      bool own = !is_whole_element(m.patch, t, e, f);  // a loop along its border leaves it in the rows
       for (int k = 0; k < t.support() * t.support() && !own; ++k)
         own = trim.drops((f + k / t.support()) * t.stride + e + k % t.support());
       for (int q = f * each; q < (f + 1) * each && own; ++q) {

@@ -166,6 +166,33 @@ TEST(Trimming, CutsThatEndOnLoopsPartThePlate) {
   EXPECT_LT(most_force(s), 1e-9 * 2e11 * kThickness * m.spacing);
 }
 
+// What a loop along the patch's own edges leaves is the patch: to the bit, and with no point that is summed by itself.
+TEST(Trimming, ALoopOnTheEdgesOfThePatchCostsNothing) {
+  for (const int degree : {2, 3}) {
+    const TrimLoops edges(Vec2::Zero(), Vec2::Constant(kEdge),
+                          {{{{0.0, 0.0}, {kEdge, 0.0}, {kEdge, kEdge}, {0.0, kEdge}, {0.0, 0.0}}, false}});
+    const ShellModel whole = trimmed({}, degree), looped = trimmed(edges, degree);
+    EXPECT_TRUE(looped.trim.points.empty());
+    EXPECT_TRUE(looped.trim.dropped.empty());
+    EXPECT_EQ(looped.mass, whole.mass);
+    ShellState a = make_state(whole, Vec3::Zero(), 0), b = make_state(looped, Vec3::Zero(), 0);
+    std::mt19937_64 random(3);
+    for (double& x : a.motion.x) x += 1e-4 * (static_cast<double>(random() >> 11) * 0x1.0p-53 - 0.5);
+    b.motion.x = a.motion.x;
+    EXPECT_EQ(compute_forces(whole, a, true, 0.0, 1), compute_forces(looped, b, true, 0.0, 1));
+    EXPECT_EQ(a.motion.force, b.motion.force);
+  }
+}
+
+// A loop along lines of knots: the elements beside it are whole, and only dropped control points take some out of rows.
+TEST(Trimming, ALoopAlongKnotsLeavesWholeElementsInTheRows) {
+  const std::vector<Vec2> ring{{0.25, 0.25}, {0.75, 0.25}, {0.75, 0.75}, {0.25, 0.75}, {0.25, 0.25}};
+  const ShellModel m = trimmed({Vec2::Zero(), Vec2::Constant(kEdge), {{ring, false}}});
+  // a control point at each corner has a 36th of its mass left, and moves the four points of that element alone
+  EXPECT_EQ(m.trim.points.size(), 16u);
+  for (int e = 0; e < 16; ++e) EXPECT_EQ(is_whole_element(m.patch, m.tables, e, 8), e >= 4 && e < 12) << e;
+}
+
 TEST(Trimming, AStripThatIsTooNarrowIsRefused) {
   const TrimLoops strip(Vec2::Zero(), Vec2::Constant(kEdge),
                         {{{{0.1, 0.5}, {0.9, 0.5}, {0.9, 0.503}, {0.1, 0.503}, {0.1, 0.5}}, false}});
