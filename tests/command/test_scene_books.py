@@ -11,10 +11,9 @@ from pathlib import Path
 from unittest import mock
 
 from sunder_tools.errors import BAD_INPUT, CommandError
+from sunder_tools.launch.shipped import shipped
 from tests.validation import scene_books, trials
 from tests.validation.scene_books import REPEATED, SHIPPED, Shortened, books_of
-
-from . import REPOSITORY
 
 
 def run_of(linear: float = 2e-15, angular: float = 1e-15, mass: float = 3e-15, spin: float = 4e-15, pieces: int = 2) -> dict:
@@ -35,8 +34,7 @@ class Books(unittest.TestCase):
         self.assertTrue(math.isnan(books_of(run_of(pieces=0), self.PANE)[1]))
 
     def test_no_scene_with_bodies_is_left_out(self) -> None:
-        there = {path.stem for path in (REPOSITORY / "scenes").glob("*.textproto")
-                 if re.search(r"^bodies\b", path.read_text(), re.M)}
+        there = {scene.name for scene in shipped() if re.search(r"^bodies\b", scene.path.read_text(), re.M)}
         self.assertEqual(sorted(there), sorted((*REPEATED, *(wanted.scene for wanted in SHIPPED))))
 
 
@@ -54,6 +52,16 @@ class Rows(unittest.TestCase):
                 contextlib.redirect_stdout(io.StringIO()):
             scene_books.scenes(table, mock.Mock(folder=Path(folder)))
         return table
+
+    def test_a_cad_scene_has_a_build_that_reads_it(self) -> None:
+        with mock.patch.object(scene_books, "launch_once", return_value=run_of()) as launched, \
+                mock.patch.object(scene_books, "ensure_built") as built, contextlib.redirect_stdout(io.StringIO()):
+            table = trials.Table()
+            for scene in ("glass", "cad/windscreen"):
+                scene_books._one(table, mock.sentinel.plain, "made_up", [], Shortened(scene, 1e-3, True, False))
+        built.assert_called_once_with(cad=True)
+        self.assertEqual([call.args[0] for call in launched.call_args_list], [mock.sentinel.plain, built.return_value])
+        self.assertIn("cad_windscreen_made_up_impulse", [row["name"] for row in table.rows])
 
     def test_a_run_that_closes(self) -> None:
         table = self.rows(lambda *_: run_of(), ["double_precision"])

@@ -18,6 +18,7 @@ from .run import launch_once, read_usage
 
 SCENES = REPOSITORY / "scenes"
 ENDING = ".textproto"
+CAD = "cad"  # folder of the scenes that need OpenCASCADE; their names are cad/windscreen and so on
 SECONDS = "seconds.json"  # beside the scenes; written by measure() only
 
 
@@ -31,10 +32,16 @@ class Shipped:
 
 
 def shipped(folder: Path = SCENES) -> list[Shipped]:
-    """All scenes of a folder, by name. Raises CommandError where the measured seconds cannot be read."""
+    """All scenes of a folder and of its folder of CAD scenes, by name. Raises CommandError where the measured seconds cannot be read."""
     measured = read_seconds(folder)
     return [Shipped(name, path, about(path.read_text(encoding="utf-8")), _seconds(measured.get(name)))
-            for path in sorted(folder.glob("*" + ENDING)) for name in (path.name.removesuffix(ENDING),)]
+            for path in sorted((*folder.glob("*" + ENDING), *folder.glob(f"{CAD}/*{ENDING}")))
+            for name in (path.relative_to(folder).as_posix().removesuffix(ENDING),)]
+
+
+def needs_cad(name: str) -> bool:
+    """Whether a scene that ships needs OpenCASCADE."""
+    return name.startswith(CAD + "/")
 
 
 def about(text: str) -> str:
@@ -76,8 +83,8 @@ def measure(names: list[str], folder: Path = SCENES) -> None:
     for name in names:
         if name not in there:
             raise CommandError(f"no scene '{name}' ships; {did_you_mean(name, there)}", BAD_INPUT)
-    executables = ensure_built()
     for name in names or there:
+        executables = ensure_built(cad=needs_cad(name))
         print(f"sunder: measuring {name}", file=sys.stderr, flush=True)
         made_with = circumstances(build_dir())  # the load before it, not its own
         with tempfile.TemporaryDirectory(prefix="seconds-sunder-") as out:
