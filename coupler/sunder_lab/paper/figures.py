@@ -100,7 +100,8 @@ FIGURES = {figure.number: figure for figure in (
             "with a part of the panels that they hold, and the body stays. The paper's tears run through the garment and branch.",
             "At the tears strips of an element's width stand out. They are stretched and never part.",
             "It ends soon after the straps have torn off: small pieces at the tears become unstable later. The paper goes on to "
-            "1.2 s. The cloth has no fibres (type III): it does not touch itself here, and they would bear nothing."), views.figure_15),
+            "1.2 s. The cloth has no fibres (type III). Its panels touch one another and themselves by contact between shells, "
+            "which is inelastic."), views.figure_15),
     Figure(16, "A mannequin that is inflated",
            "The body of a mannequin in a blue dress is inflated at rest. Cracks pass over the borders of patches and tear the "
            "dress into fragments, in several tears.", ("fig16",),
@@ -110,7 +111,7 @@ FIGURES = {figure.number: figure for figure in (
             "shreds; the paper's are apart. Strips at a tear are stretched to many times their length and never part, as in "
             "Fig. 15. Some of their points lie in the body: contact is felt at Gauss points, which a torn strip no longer has. "
             "Now and then one of them folds over in one step and makes energy; then the run warns. The cloth has no fibres "
-            "(type III): it does not touch itself here, and they would bear nothing."),
+            "(type III). Its panels touch one another and themselves by contact between shells, which is inelastic."),
            views.figure_16),
     Figure(17, "A marble on glass",
            "A ball hits a thin glass. Cracks start at the contact and form several circles outwards, with angular pieces. A "
