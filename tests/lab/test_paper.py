@@ -23,7 +23,7 @@ from sunder_lab.paper import skeleton
 from sunder_lab.paper.catalogue import CASES, CORES, SIZES, TABLE_2, scaled
 from sunder_lab.paper.depth import outside
 from sunder_lab.paper.figures import FIGURES
-from sunder_lab.paper.page import books_of, command, measured, state, table
+from sunder_lab.paper.page import command, measured, state, table
 from sunder_lab.paper.panels import GAP, HEAD, shell_frames
 from sunder_lab.paper.runs import Record, Runs, about, left
 from sunder_lab.paper.views import TALL, _off_body, figure_16, hanging_together
@@ -250,6 +250,8 @@ class Mannequin(unittest.TestCase):
             far = outside(shell.points[np.unique(shell.triangles)], bodies.points, bodies.triangles)
             self.assertAlmostEqual(float(depth[1]), 1e3 * (half - far.min()), delta=0.06)
             self.assertGreater(_off_body(frames[0]).min(), half)  # the dress starts off the body
+            self.assertEqual([(check.name, check.most) for check in drawn.checks], [("fig16_depth", half)])
+            self.assertAlmostEqual(drawn.checks[0].value, half - far.min(), delta=6e-5)
 
 
 class Garment(unittest.TestCase):
@@ -296,18 +298,6 @@ class Told(unittest.TestCase):
             self.assertEqual(measured(runs, "fig12"), {})
             (folder / "run.json").write_text('{"status": "failed"}')
             self.assertEqual(measured(runs, "fig13"), {})
-
-    def test_books_are_those_of_the_run(self) -> None:
-        run = {"status": "done", "ledger": {"linear_max": 1e-14, "angular_max": 3e-13},
-               "energy": {"residual_relative": -2e-3, "window_gap": 0.05}, "cracks": {"resistance": 2.5}}
-        words = books_of("fig17", "small", run)
-        for part in ("impulses agree to 3e-13", "-0.002 of the largest", "0.05 J, which is 0.02 of G_f", "2.5 J."):
-            self.assertIn(part, words)
-        run["cracks"] = {"resistance": 0.0, "length_m": 3.0}  # damage has none: 250 J/m2 times 5 mm times 3 m
-        self.assertIn("G_f times the area of the cracks, 3.75 J.", books_of("fig14_even", "small", run))
-        for case in ("fig01", "fig13"):  # two materials, and one without a strength
-            self.assertNotIn("G_f", books_of(case, "small", run))
-        self.assertEqual(books_of("fig13", "small", {"status": "failed"}), "")
 
     def test_a_scene_that_is_edited_while_it_runs_is_run_again(self) -> None:
         with tempfile.TemporaryDirectory() as name:

@@ -3,11 +3,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import astuple
 from pathlib import Path
 
 from sunder_tools.errors import CHECK_FAILED, DONE, INTERRUPTED, CommandError
 from sunder_tools.pictures.vtp import VtpError
 
+from .checks import checks_of, said, verdict
 from .figures import FIGURES, Figure
 from .page import write_page
 from .runs import Runs
@@ -17,7 +19,7 @@ OUT = Path("paper")
 
 def paper(options: argparse.Namespace) -> int:
     """Runs and draws what `options` ask for (see `sunder paper --help`); returns the exit status: 1 where a run or a picture
-    failed. Raises CommandError."""
+    failed, or a check that is not known to. Raises CommandError."""
     wanted = [FIGURES[number] for number in options.figures or FIGURES]
     runs = Runs(options.out or OUT, options.size, options.threads, options.quiet)
     runs.open()
@@ -44,7 +46,19 @@ def _run_and_draw(options: argparse.Namespace, wanted: list[Figure], runs: Runs)
     finally:
         page = write_page(runs)
     print(page)
-    return status
+    return status if all([_hold(runs, figure) for figure in made]) else CHECK_FAILED
+
+
+def _hold(runs: Runs, figure: Figure) -> bool:
+    """Whether all checks of a figure hold or are known not to; tells those that fail."""
+    try:
+        failed = [check for check in checks_of(runs, figure.number, figure.cases) if verdict(check, runs.size) == "failed"]
+    except (VtpError, OSError) as error:
+        print(f"sunder: the books of figure {figure.number} are not checked: {error}", file=sys.stderr, flush=True)
+        return False
+    for check in failed:
+        print(f"sunder: figure {figure.number}: {said(check, runs.size)}", file=sys.stderr, flush=True)
+    return not failed
 
 
 def draw(runs: Runs, figure: Figure, again: bool) -> bool:
@@ -52,12 +66,13 @@ def draw(runs: Runs, figure: Figure, again: bool) -> bool:
     assert figure.draw is not None
     of = {case: runs.identity(case) for case in figure.cases}
     kept = runs.record.figures.get(str(figure.number), {})
-    if not again and kept.get("of") == of and kept.get("pictures") and all(
+    if not again and kept.get("of") == of and "checks" in kept and kept.get("pictures") and all(
             (runs.folder / name).is_file() for name, _ in kept["pictures"]):
         return True
     try:
         drawn = figure.draw(runs)
-        runs.record.figures[str(figure.number)] = {"of": of, "pictures": drawn.pictures, "found": drawn.found}
+        runs.record.figures[str(figure.number)] = {"of": of, "pictures": drawn.pictures, "found": drawn.found,
+                                                    "checks": [astuple(check) for check in drawn.checks]}
     except VtpError as error:
         print(f"sunder: figure {figure.number} is not drawn: {error}", file=sys.stderr, flush=True)
         runs.record.figures[str(figure.number)] = {"of": of, "pictures": [], "found": [], "failed": str(error)}

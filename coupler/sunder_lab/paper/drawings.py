@@ -19,6 +19,7 @@ from sunder_tools.pictures.vtp import PolyData, VtpError
 from sunder_tools.report.run_json import read_run
 
 from . import panels, skeleton
+from .checks import Check
 from .panels import Box, board, captions, crack_lines, growing, sheet_panel, shell_frames
 from .runs import Runs
 
@@ -38,9 +39,10 @@ MODELS = (("fig09_ours", "the paper's projection", (0.45, 0.72, 0.45)), ("fig09_
 
 @dataclass
 class Drawn:
-    """Pictures of a figure with a sentence each, and what came out."""
+    """Pictures of a figure with a sentence each, what came out, and what was measured on the way."""
     pictures: list[tuple[str, str]] = field(default_factory=list)
     found: list[str] = field(default_factory=list)
+    checks: list[Check] = field(default_factory=list)
 
     def add(self, runs: Runs, name: str, image: Image.Image, words: str) -> None:
         """Writes a picture into the folder of the page."""

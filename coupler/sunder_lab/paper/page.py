@@ -3,18 +3,19 @@ from __future__ import annotations
 
 import html
 import json
-import math
 from pathlib import Path
 from typing import Any, Iterable
 
 from sunder_tools.errors import CommandError
 from sunder_tools.launch.run import COMMAND_FILE, read_usage
+from sunder_tools.pictures.vtp import VtpError
 from sunder_tools.replacing import replacing
 from sunder_tools.report.machine import commit, cores, processor
 from sunder_tools.report.run_json import read_run
 from sunder_tools.words import command_line
 
 from .catalogue import CASES, CORES, TABLE_2, THREADS, Row
+from .checks import checks_of, said, verdict
 from .figures import FIGURES, Figure
 from .runs import Runs
 
@@ -81,9 +82,7 @@ def _figure(runs: Runs, figure: Figure) -> list[str]:
         out.append(f"<p><b>What came out.</b></p>{_list(drawn['found'])}")
     elif not told:
         out.append("<p><b>Here.</b> Not run yet.</p>")
-    books = [words for case in figure.cases if (words := books_of(case, runs.size, read_run(runs.place(case))))]
-    if books:
-        out.append(f"<p><b>Books.</b></p>{_list(books)}")
+    out += _checks(runs, figure)
     warnings = [f"{case}: {w}" for case in figure.cases for w in read_run(runs.place(case)).get("warnings") or []]
     if warnings:
         out.append(f"<p><b>Warnings of the runs.</b></p>{_list(warnings)}")
@@ -93,27 +92,16 @@ def _figure(runs: Runs, figure: Figure) -> list[str]:
     return out
 
 
-def fracture_energy(case: str, size: str, run: dict[str, Any]) -> float:
-    """G_f times the area of the cracks [J]; NaN where shells of several strengths or thicknesses have cracked together."""
-    if run["cracks"]["resistance"] > 0.0:
-        return float(run["cracks"]["resistance"])
-    scene = CASES[case].made(size).message
-    of = {m.name: m.fracture_energy for m in scene.materials if m.strength > 0.0}
-    costs = {of[s.material] * s.thickness_m for s in scene.shells if s.material in of}  # [J/m]
-    return float(run["cracks"]["length_m"]) * (costs.pop() if len(costs) == 1 else math.nan)
-
-
-def books_of(case: str, size: str, run: dict[str, Any]) -> str:
-    """What the books of a run miss, in words; empty where it has not been run to its end."""
-    if run.get("status") != "done":
-        return ""
-    ledger, energy, needed = run["ledger"], run["energy"], fracture_energy(case, size, run)
-    words = (f"{case}: impulses agree to {max(ledger['linear_max'], ledger['angular_max']):.1g} of those exchanged; the energy "
-             f"that is missing at the end is {energy['residual_relative']:.1g} of the largest energy of the run, its largest "
-             f"change in a window {energy['window_gap']:.2g} J")
-    if needed > 0.0:
-        words += f", which is {energy['window_gap'] / needed:.1g} of G_f times the area of the cracks, {needed:.3g} J"
-    return words + "."
+def _checks(runs: Runs, figure: Figure) -> list[str]:
+    """What the runs must hold; what fails is in red."""
+    try:
+        checks = checks_of(runs, figure.number, figure.cases)
+    except (VtpError, OSError) as error:
+        return [f"<div class='lack'>{_list([f'The books are not checked: {error}'])}</div>"]
+    failed = [said(check, runs.size) for check in checks if verdict(check, runs.size) == "failed"]
+    good = [said(check, runs.size) for check in checks if verdict(check, runs.size) != "failed"]
+    return ([f"<p><b>Checks.</b></p>{_list(good)}"] if good else []) + (
+        [f"<div class='lack'><b>Checks that fail.</b>{_list(failed)}</div>"] if failed else [])
 
 
 def command(case: str, size: str) -> str:

@@ -19,6 +19,7 @@ from sunder_tools.report.run_json import read_run
 
 from . import panels
 from .catalogue import CASES
+from .checks import Check
 from .depth import outside
 from .drawings import WHOLE, Drawn, shells
 from .panels import Box, at_times, board, captions, growing, shell_frames, view_panels
@@ -222,21 +223,25 @@ def figure_16(runs: Runs) -> Drawn:
     out.found.append(f"{int((area > PIECE * area.sum()).sum())} pieces of a hundredth of the cloth or more; cracks in {across} of "
                      f"{run['counts']['patches']} patches, {run['cracks']['length_m']:.2f} m long; "
                      f"{run['counts']['handed_off']} small pieces handed to the rigid engine. {_held_together(run)}")
-    out.found.append(_depths(frames, CASES["fig16"].made(runs.size).message.shells[0].thickness_m))
+    words, deepest = _depths(frames, CASES["fig16"].made(runs.size).message.shells[0].thickness_m)
+    out.found.append(words)
+    out.checks.append(deepest)
     return out
 
 
-def _depths(frames: list[Frame], thickness_m: float) -> str:
-    """How deep the face of the cloth has been in the body, over all frames."""
+def _depths(frames: list[Frame], thickness_m: float) -> tuple[str, Check]:
+    """How deep the face of the cloth has been in the body, over all frames, in words and against half a thickness."""
     deepest, when, share = -1.0, 0.0, 0.0
     for frame in frames:
         far = _off_body(frame)
         if 0.5 * thickness_m - float(far.min()) > deepest:
             deepest, when = 0.5 * thickness_m - float(far.min()), frame.time_s
         share = max(share, float((far < 0.0).mean()))
-    return (f"Over all frames the deepest point of the dress is {1e3 * deepest:.1f} mm in the body, counted from the face of the "
-            f"cloth, at {when:.2f} s; at most {100.0 * share:.2f} % of the points of a frame are deeper than half a thickness, "
-            f"{500.0 * thickness_m:g} mm.")
+    words = (f"Over all frames the deepest point of the dress is {1e3 * deepest:.1f} mm in the body, counted from the face of the "
+             f"cloth, at {when:.2f} s; at most {100.0 * share:.2f} % of the points of a frame are deeper than half a thickness, "
+             f"{500.0 * thickness_m:g} mm.")
+    return words, Check("fig16_depth", deepest, 0.5 * thickness_m, "the deepest point of the dress in the body, counted from the "
+                        "face of the cloth [m], against half a thickness")
 
 
 def _piece_areas(shell: PolyData) -> np.ndarray:
