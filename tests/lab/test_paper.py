@@ -45,7 +45,8 @@ import make_mannequin  # noqa: E402
 
 SUNDER = str(REPOSITORY / "coupler" / "sunder")
 # Table 2: density, Young's modulus, Poisson's ratio, strength (0: none).
-VALUES = {("fig01", "bumper_plastic"): (500, 3.2e8, 0.3, 6.5e6), ("fig01", "window_glass"): (300, 2.8e9, 0.3, 8.2e6),
+VALUES = {("fig01", "bumper_plastic"): (500, 3.2e8, 0.3, 6.5e6), ("fig01", "painted_steel"): (500, 3.2e8, 0.3, 6.5e6),
+          ("fig01", "window_glass"): (300, 2.8e9, 0.3, 8.2e6),
           ("fig04_healing", "rubber"): (500, 3.2e5, 0.3, 4.5e4), ("fig09_ours", "film"): (100, 3.2e3, 0.3, 1.5e2),
           ("fig12", "metal"): (1e3, 3.2e5, 0.33, 8e4), ("fig13", "rubber"): (1000, 4.2e5, 0.3, 0),
           ("fig14_even", "cloth"): (100, 2.8e5, 0.3, 5.5e4), ("fig15", "cloth"): (20, 3.2e3, 0.3, 5e2),

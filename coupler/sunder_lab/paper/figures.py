@@ -29,8 +29,8 @@ FIGURES = {figure.number: figure for figure in (
            "A car of 12 patches of several materials. A heavy impactor breaks the bumper into three pieces, the bonnet is bent "
            "for good and breaks, then a tree falls and perforates the windscreen, which cracks as laminated glass does.",
            ("fig01",),
-           ("Bumper and glass break. The bonnet bends for good and does not tear, as its metal has no strength here. In the paper "
-            "it does both.",
+           ("Bumper and glass break. The bonnet bends for good and tears at its edges, beside the block and the wings. In the "
+            "paper it breaks.",
             "The car is made by a script; the paper's model is not public.",
             "It runs at the paper's values for density, stiffness and strength. Thickness, fracture energy, yield stress, "
             "impactor and tree are chosen. The tree stands and falls freely, so more than the paper's 0.06 s are simulated."),
