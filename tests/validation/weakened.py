@@ -4,6 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from sunder_lab.paper.catalogue import CASES
+from sunder_lab.paper.checks import MOST_MISSING, missing
 from sunder_tools.launch.build import Executables
 from sunder_tools.pictures.crack_lines import Within, grown, last_graph, within
 from sunder_tools.report.run_json import read_run
@@ -23,10 +24,14 @@ def _cracks(table: Table, executables: Executables, case: str, seed: int) -> tup
     """Runs a case of the figure. Adds its books, and returns its cracks against the region, and the seconds of the run."""
     region = CASES[case].made(SIZE).find("shells[cloth].strength_regions[0]")
     low, high = np.array([region.low.u, region.low.v]), np.array([region.high.u, region.high.v])
+    name = f"weakened_region_{seed}_{'a' if case == 'fig14_even' else 'b'}"
     settings = [*CASES[case].all_settings(SIZE), *SCATTER, f"fracture.seed={seed}"]
     with kept_run(executables, CASES[case].file().removeprefix(f"{SCENES.name}/"), settings) as (folder, seconds):
         found, run = within(grown(last_graph(folder)), low, high), read_run(folder)
-    add_books(table, f"weakened_region_{seed}_{'a' if case == 'fig14_even' else 'b'}", run)
+        end, window, needed = missing(folder, run, CASES[case].made(SIZE).message)
+    add_books(table, name, run)
+    table.add(f"{name}_missing", end, 0.0, MOST_MISSING, 0.0, f"of G_f times the area of the cracks, {needed:.3g} J")
+    table.add(f"{name}_window", window, 0.0, MOST_MISSING, 0.0, "the largest change of that in a window, of the same")
     return found, seconds
 
 
