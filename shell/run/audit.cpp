@@ -70,7 +70,8 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
         fmt::format("the energy books missed {:.1f} % of the energy there was, for a time: lower "
                     "time_step_safety, or refine",
                     100.0 * share(audit.largest_gap)));
-  if (const double gap = std::abs(audit.window_gap); gap > kWindowGap * audit.deforming && share(gap) > kNoted)
+  if (const double gap = std::abs(audit.window_gap);
+      audit.deforming > 0.0 && gap > kWindowGap * audit.deforming && share(gap) > kNoted)
     out.push_back(fmt::format(
         "the energy books {} {:.2g} J in the window up to {:.4g} s, {:.0f} % of the energy that "
         "what deforms ever had: lower time_step_safety, or refine",

@@ -57,13 +57,17 @@ CrackSurface Books::crack_surface(Simulation& simulation) const {
 void Books::open(Simulation& simulation, double energy) {
   reference = energy;
   scale = simulation.state.kinetic + simulation.state.elastic;
-  double round_off = 0.0;  // the only energy where nothing moves
+  double round_off = 0.0;  // energy whose round-off a scene in which nothing moves can miss
   for (const ShellPart& part : simulation.state.shells) {
     const ShellMaterial& material = part.model().material;
     const std::vector<double>& masses = part.state->motion.mass;
     const double mass = std::accumulate(masses.begin(), masses.end(), 0.0);
     round_off += 0.5 * kRoundOffStrain * kRoundOffStrain * material.youngs_modulus * mass / material.density;
   }
+  // A body at rest takes its weight's impulse in each window, and its support gives it back.
+  const double falls = 0.5 * simulation.model.setup.gravity.squaredNorm() * std::pow(simulation.model.setup.window, 2);
+  for (const Proxy& p : simulation.state.bodies)
+    if (p.is_free()) round_off += p.body.mass * falls;
   scale = std::max(scale, round_off + simulation.soft_energy(kRoundOffStrain));
 }
 

@@ -84,6 +84,8 @@ TEST(Audit, AGapWithinTheRunIsNamedWhereTheEndShowsNone) {
   }
   a.scale = 2000.0;  // too little to matter
   EXPECT_TRUE(audit_warnings(a).empty());
+  a = sound(), a.deforming = 0.0;  // a scene of rigid bodies has no such energy
+  EXPECT_TRUE(audit_warnings(a).empty());
 }
 
 TEST(Audit, WhatAWindowOrAFreezeLeavesOpenIsNamedWithItsRemedy) {
