@@ -1,7 +1,9 @@
 #include "coupler/scene/unit_warnings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -18,6 +20,14 @@ constexpr double kWidest = 100.0;           // [m]
 constexpr double kFastest = 3e3;            // [m/s]: solids flow and melt in impacts that fast
 constexpr double kGiga = 1e9, kMega = 1e6;  // [Pa] of a GPa and a MPa
 constexpr double kMilli = 1e-3;             // [m] of a mm
+// Fields that units decide, beside lengths (`_m`). `pose`: whether a body starts inside a shell.
+constexpr std::array<std::string_view, 15> kDecided = {
+    "density", "youngs_modulus", "strength",   "fracture_energy", "yield_stress", "surface_compression",
+    "mode",    "contacts",       "hertz",      "stiffness",       "twist",        "motion",
+    "pose",    "window_s",       "time_step_s"};
+// What stops a run where its numbers do not go together.
+constexpr std::array<std::string_view, 8> kStops = {"unstable", "compression", "equilibrium", "modes",
+                                                    "hertz",    "fibres",      "substeps",    "soft_inverted"};
 
 void of_material(const proto::Material& m, const std::string& field, std::vector<std::string>& out) {
   const double stiffness = m.youngs_modulus(), strength = m.strength(), density = m.density();
@@ -64,6 +74,16 @@ std::vector<std::string> unit_warnings(const proto::Scene& scene) {
                       scene.bodies(i).name(), speed));
   }
   return out;
+}
+
+bool may_be_by_units(const Error& error) {
+  const auto among = [](const auto& words, std::string_view word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+  };
+  if (error.status == Exit::kPhysics) return among(kStops, error.kind);
+  if (error.status != Exit::kBadInput) return false;
+  const std::string_view last = std::string_view(error.field).substr(error.field.rfind('.') + 1);
+  return last.ends_with("_m") || last == "shortest_window_s" || among(kDecided, last);
 }
 
 }  // namespace sunder::scene

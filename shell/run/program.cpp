@@ -131,9 +131,9 @@ int run_program(const Program& program, int argc, char** argv) {
   try {
     return run(program, argc, argv, unit_warnings);
   } catch (const Error& e) {
-    const bool by_scene = e.status == Exit::kBadInput && !unit_warnings.empty();
+    const bool by_units = !unit_warnings.empty() && scene::may_be_by_units(e);
     fmt::print(stderr, "{}: {}: {}{}\n", program.name, e.kind, e.what(),
-               by_scene ? fmt::format(". Look at the units first: {}", fmt::join(unit_warnings, "; ")) : "");
+               by_units ? fmt::format(". Look at the units first: {}", fmt::join(unit_warnings, "; ")) : "");
     return static_cast<int>(e.status);
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}: {}\n", program.name, e.what());

@@ -1,4 +1,4 @@
-"""Values in a wrong unit, with the real programs: a refusal for another reason names them, and a run warns of them."""
+"""Values in a wrong unit, with the real programs: a refusal that they may decide names them, and a run warns of them."""
 from __future__ import annotations
 
 import json
@@ -30,6 +30,16 @@ class Units(unittest.TestCase):
     def test_a_refusal_in_a_sound_scene_does_not(self) -> None:
         done = self.sunder("check", str(SCENE), "--set", "window_s=1e-12")
         self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertNotIn(WORDS, done.stderr)
+
+    def test_a_refusal_that_units_do_not_decide_does_not(self) -> None:
+        probe = 'probes { name: "p" shell: "pane" at { u: 7 v: 0 } }'
+        with tempfile.TemporaryDirectory() as name:
+            scene = Path(name) / "probe.textproto"
+            scene.write_text(SCENE.read_text().replace("output {", "output { " + probe))
+            done = self.sunder("check", str(scene), "--set", "materials[glass].density=1")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("output.probes[0].at: (7, 0) lies outside the patch", done.stderr)
         self.assertNotIn(WORDS, done.stderr)
 
     def test_a_run_warns(self) -> None:

@@ -3,6 +3,7 @@
 
 #include "tests/coupler/small_scene.h"
 
+using namespace sunder;
 using namespace sunder::scene;
 using small_scene::kScene;
 using small_scene::own_file;
@@ -51,4 +52,22 @@ TEST(UnitWarnings, SoftAndStrongMaterialsAreNone) {
         "density: 7800 youngs_modulus: 2.1e11 poisson_ratio: 0.3 strength: 2e9 fracture_energy: 1e5"})
     EXPECT_TRUE(warnings_of(replaced("density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22", material)).empty())
         << material;
+}
+
+TEST(UnitWarnings, BelongToARefusalThatUnitsDecide) {
+  const auto refused = [](const std::string& field) {
+    Error e(Exit::kBadInput, "bad_scene", "");
+    e.field = field;
+    return may_be_by_units(e);
+  };
+  for (const char* field : {"bodies[0].twist", "bodies[0].pose", "shells[pane].thickness_m", "materials[0].density",
+                            "window_s", "time_step_s", "coupling.adaptive_window.shortest_window_s", "fracture.mode"})
+    EXPECT_TRUE(refused(field)) << field;
+  for (const char* field : {"", "shells[0].supports", "shells[0].supports[1].edges", "output.probes[0].at", "seams",
+                            "end_time_s", "output.frame_interval_s", "materials[0].name"})
+    EXPECT_FALSE(refused(field)) << field;
+  for (const char* kind : {"unstable", "compression", "equilibrium"})
+    EXPECT_TRUE(may_be_by_units(Error(Exit::kPhysics, kind, ""))) << kind;
+  EXPECT_FALSE(may_be_by_units(Error(Exit::kPhysics, "ledger", "")));
+  EXPECT_FALSE(may_be_by_units(Error(Exit::kPeerLost, "unstable", "")));
 }
