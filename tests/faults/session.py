@@ -50,7 +50,6 @@ class Outcome:
     """What became of a cell."""
     cell: Cell
     wrong: list[str] = field(default_factory=list)  # empty: as it has to be
-    late: bool = False                              # and nothing else is wrong
     skipped: str = ""                               # why
     said: str = ""                                  # statuses, kinds and seconds, for the table
     rerun: bool = False                             # was done and worked, where `wrong` is empty
@@ -271,12 +270,10 @@ class Session:
     def _judge_time(self, expected: Ending, outcome: Outcome) -> None:
         if self._cell.fault == "slow" or (expected.shell, expected.rigid) == (0, 0):
             return  # goes on to its end
-        found = bool(outcome.wrong)
         for side in (SHELL, RIGID):
             if not self._ended.get(side, 1e9) <= END_WITHIN_S:
                 outcome.wrong.append(f"the {side} process took {self._ended.get(side, float('inf')):.2f} s of their own to "
                                      f"end, at most {END_WITHIN_S:.1f} s")
-                outcome.late = not found
 
     def _run_json(self, wrong: list[str]) -> dict[str, object] | None:
         try:
