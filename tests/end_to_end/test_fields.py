@@ -13,6 +13,8 @@ from xml.etree import ElementTree
 import numpy as np
 
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
+from sunder_tools.pictures.mesh import mesh_of
+from sunder_tools.pictures.motion import body_velocity
 from sunder_tools.pictures.vtp import PolyData
 
 TOP = Path(__file__).resolve().parents[2]
@@ -168,6 +170,18 @@ class Fields(unittest.TestCase):
             before = given[at]
             # two cells an element take the pressure at their centres
             self.assertLess(abs(force - wanted), 0.02 * abs(wanted) + 1e-6, frame.time_s)
+
+    def test_exports_take_the_velocity_that_bodies_have_in_a_frame(self) -> None:
+        frames = list_frames(self.folder / "out")
+        for k in (0, len(frames) // 2, len(frames) - 1):
+            bodies = frames[k].read(BODIES)
+            assert bodies is not None
+            np.testing.assert_array_equal(body_velocity(frames, k), bodies.point_data["velocity"])
+            np.testing.assert_array_equal(mesh_of(frames, k).velocity[-len(bodies.points):], bodies.point_data["velocity"])
+        first = frames[0].read(BODIES)
+        assert first is not None
+        around = first.points - 0.5 * (first.points.min(0) + first.points.max(0))  # a ball, and its spin of 4 rad/s
+        np.testing.assert_allclose(body_velocity(frames, 0)[:, 1], 4.0 * around[:, 0], atol=1e-6)
 
     def test_a_support_bears_until_it_lets_go(self) -> None:
         time, late = self.columns["time [s]"], self.columns["pane_support_1_u_max_impulse_z [N s]"]

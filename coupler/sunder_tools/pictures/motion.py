@@ -1,4 +1,4 @@
-"""Velocities of a frame's points: as the shell writes them, and from frame to frame for rigid bodies."""
+"""Velocities of a frame's points: as the run wrote them, or from frame to frame for rigid bodies."""
 from __future__ import annotations
 
 import numpy as np
@@ -35,12 +35,15 @@ def body_velocity(frames: list[Frame], k: int) -> np.ndarray:
     """Returns velocities (n, 3) [m/s] of bodies' points in frame k; (0, 3) where there are none. Raises VtpError,
     OSError.
 
-    Frames have no velocity of bodies: it is the mean over the interval since the frame before, or up to the next for
-    one that is new; zero where a body is in neither. Spin of more than half a turn in an interval is not seen.
+    It is that of the frame, where the scene asks for BODY_MOTION. Otherwise it is the mean over the interval since the
+    frame before, or up to the next for a body that is new; zero where a body is in neither. Spin of more than half a
+    turn in an interval is not seen then.
     """
     here = frames[k].read(BODIES)
     if here is None:
         return np.zeros((0, 3))
+    if "velocity" in here.point_data:
+        return shell_velocity(here)
     velocity = np.zeros_like(here.points)
     missing = by_body(here)
     for other in (k - 1, k + 1):
