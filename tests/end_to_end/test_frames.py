@@ -94,7 +94,6 @@ class Frames(unittest.TestCase):
                     height.append(carried.points[:, 2].mean())
                     self.assertAlmostEqual(height[-1], middle[2], delta=2e-4)  # of a pane of 4 mm
                 fallen = 0.0 if support else 0.5 * 9.81 * (after[-1].time_s ** 2 - after[0].time_s ** 2)
-                # a fall is first order in the engine's windows h of 1 ms: g h t / 2 is 3e-5 m here
                 self.assertAlmostEqual(height[0] - height[-1], fallen, delta=1e-5)
                 drawn = load_scene(after[-1], Look.of_words(words_of(parse_text(file.read_text()), [])))
                 self.assertEqual(len(drawn.cracks), len(before.segments()))

@@ -54,7 +54,7 @@ TEST(SmoothSeam, KeepsEnergyAsOneSheetDoes) {
   const double one = largest_error(Stitched({strip("whole", flat(0.0, 0.4, 0.0, 0.2, 20, 10), true)}));
   const double two = largest_error(Stitched(
       {strip("left", flat(0.0, 0.2, 0.0, 0.2, 10, 10), true), strip("right", flat(0.2, 0.4, 0.0, 0.2, 14, 7), false)}));
-  EXPECT_LT(one, 1e-3);
+  EXPECT_LT(one, 1e-4);  // three times what leapfrog misses at this step
   EXPECT_LT(two, 1.5 * one);
   RecordProperty("one", std::to_string(one));
   RecordProperty("two", std::to_string(two));
