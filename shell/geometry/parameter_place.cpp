@@ -12,8 +12,9 @@ double edge_tolerance(const Patch& patch) {
 }
 
 Vec2 moved_onto_edges(const Patch& patch, const Vec2& p) {
-  const double tolerance = edge_tolerance(patch);
+  const double of_patch = edge_tolerance(patch);
   const auto moved = [&](double at, const KnotVector& knots) {
+    const double tolerance = std::max(of_patch, kOfElement * (knots.end() - knots.begin()) / knots.spans());
     if (std::abs(at - knots.begin()) <= tolerance) return knots.begin();
     if (std::abs(at - knots.end()) <= tolerance) return knots.end();
     return at;

@@ -13,8 +13,13 @@ constexpr double kOnEdge = 1e-6;  // [-]
 /// Returns the distance below which a place is on an edge: kOnEdge of the longer side of the parameter domain [m].
 double edge_tolerance(const Patch& patch);
 
-/// Returns `p`, moved onto each edge that is nearer than the tolerance. Places further outside stay where they are:
-/// patch.contains() tells.
+/// A place nearer to an edge than this share of an element is on it too. Parameters are lengths by a Gauss rule of two
+/// points an element, which errs by 2e-4 (angle)^4 of an element that bends by an angle [rad]: by this for an eighth of
+/// a circle.
+constexpr double kOfElement = 2e-4;  // [-]
+
+/// Returns `p`, moved onto each edge that is nearer than the tolerance, or than kOfElement. Places further outside stay
+/// where they are: patch.contains() tells.
 Vec2 moved_onto_edges(const Patch& patch, const Vec2& p);
 
 /// Returns "from 0 to 1.1 along u and from 0 to 2 along v". A place at a printed end is on the edge.
