@@ -319,7 +319,7 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
   if (clock_.windows % kHeavyEvery == 0 && !rigid_->peer().can(link::capability::kMassRatios) &&
       rigid_->peer().can(link::capability::kContact))
     look_for_heavy(state_.bodies, std::min(setup_.bodies.size(), state_.bodies.size()), setup_.gravity, window,
-                   heavy_pair_);
+                   rigid_->peer().can(link::capability::kDoublePrecision), heavy_pair_);
   clock_.tick += ticks;
   ++clock_.windows;
   release_joints();

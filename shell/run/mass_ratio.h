@@ -17,9 +17,10 @@ struct HeavyPair {
 };
 
 /// Looks for a pair of moving bodies, among the first `count`, of which the heavy one lies on the light one. `window`
-/// [s] is the present one. Pairs that it is known to hold do not count.
+/// [s] is the present one. Pairs that it is known to hold do not count; it holds fewer where the engine solves in
+/// single precision.
 void look_for_heavy(const std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, double window,
-                    HeavyPair& pair);
+                    bool double_precision, HeavyPair& pair);
 
 /// A sentence for run.json about a pair that was seen often enough; empty where there is none.
 std::string heavy_warning(const std::vector<Proxy>& bodies, const HeavyPair& pair, const std::string& engine);

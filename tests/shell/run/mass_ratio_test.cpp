@@ -24,9 +24,10 @@ Proxy cube(BodyId id, const char* name, double mass, double z) {
 
 std::vector<Proxy> stack(double ratio) { return {cube(7, "lower", 1.0, 0.1), cube(9, "upper", ratio, 0.3)}; }
 
-std::string told(const std::vector<Proxy>& bodies, double window, int looks = 5, const Vec3& gravity = kGravity) {
+std::string told(const std::vector<Proxy>& bodies, double window, int looks = 5, const Vec3& gravity = kGravity,
+                 bool double_precision = true) {
   HeavyPair pair;
-  for (int k = 0; k < looks; ++k) look_for_heavy(bodies, bodies.size(), gravity, window, pair);
+  for (int k = 0; k < looks; ++k) look_for_heavy(bodies, bodies.size(), gravity, window, double_precision, pair);
   return heavy_warning(bodies, pair, "bullet");
 }
 
@@ -42,6 +43,14 @@ TEST(HeavyPair, IsToldWithBothNamesTheRatioAndAWindowThatIsNotTold) {
   EXPECT_GT(window, 2e-4);
   EXPECT_EQ(told(stack(1000.0), 0.99 * window), "");  // the number is rounded to two digits
   EXPECT_NE(told(stack(1000.0), 1.02 * window), "");
+}
+
+// The scene that slid: windows of 3.125e-4 s, which double precision holds.
+TEST(HeavyPair, IsToldSoonerInSinglePrecision) {
+  EXPECT_EQ(told(stack(1000.0), 3.125e-4), "");
+  const std::string said = told(stack(1000.0), 3.125e-4, 5, kGravity, false);
+  EXPECT_NE(said.find("a window_s of 0.0001 s or less"), std::string::npos) << said;
+  EXPECT_EQ(told(stack(1000.0), 1e-4, 5, kGravity, false), "");
 }
 
 TEST(HeavyPair, LongerWindowsHoldSmallerRatios) {
