@@ -5,6 +5,7 @@ export const DEBRIS = [0.66, 0.69, 0.71]; // shards of an unknown one of several
 const STEEL = [0.58, 0.60, 0.63];
 const FLOOR = [0.87, 0.87, 0.86];
 const SHARD = 1, STATIC = 2, FROZEN = 3; // `kind` of a triangle of bodies
+export const BROKEN = [SHARD, FROZEN]; // of a shell
 
 // From light grey over yellow and red to dark, so that it also works in grey. The same as in
 // coupler/sunder_tools/pictures/palette.py.
@@ -16,24 +17,27 @@ export function ramp(share) {
   return STOPS[k].map((v, axis) => v + (at - k) * (STOPS[k + 1][axis] - v));
 }
 
-/** `base`, lighter or darker by the id; id 0 gives `base`. */
-function varied(id, base, amount) {
-  const tone = id === 0 ? 0 : 2 * ((id * 0.6180339887498949) % 1) - 1;
-  return [1, 0.6, 0.4].map((share, axis) => Math.min(base[axis] * (1 + amount * share * tone), 1));
+const TINT = 0.12; // most that a piece is lighter or darker than its part
+const WHOLE = [0.90, 0.92, 0.92];
+
+/** `base`, lighter or darker by the id of a piece, in the shell as among bodies; `base` itself for a whole one. */
+export function tint(id, base, whole) {
+  const tone = whole.has(id) ? 0 : 2 * (((id + 1) * 0.6180339887498949) % 1) - 1;
+  return [1, 0.6, 0.4].map((share, axis) => Math.min(base[axis] * (1 + TINT * share * tone), 1));
 }
 
-/** A pale colour by the id, different for neighbouring ids. */
-function pastel(id) {
+/** A pale colour by the id of a piece, different for neighbouring ids; grey for a whole one. */
+function pastel(id, whole) {
+  if (whole.has(id)) return WHOLE;
   const hue = ((id * 0.6180339887498949) % 1) * 2 * Math.PI;
   return [0, 2.0943951, 4.1887902].map((shift) => 0.72 + 0.2 * Math.cos(hue - shift));
 }
 
-function largest(values) {
-  const count = new Map();
-  for (const v of values) count.set(v, (count.get(v) ?? 0) + 1);
-  let best = [undefined, 0];
-  for (const entry of count) if (entry[1] > best[1]) best = entry;
-  return best[0];
+/** Ids that the parts have in the first frame: they keep the colour of the part. What is left of a part has its id. */
+export function wholeIds(frame) {
+  const part = frame.arrays["shell.part"] ?? [], least = new Map();
+  (frame.arrays["shell.fragment"] ?? []).forEach((id, t) => least.set(part[t], Math.min(id, least.get(part[t]) ?? id)));
+  return new Set(least.values());
 }
 
 /** Highest value of the coloured quantity in this frame. The legend ends at the highest value of all frames so far. */
@@ -49,9 +53,8 @@ export function shellColour(frame, by, top, look) {
   const of = (name) => frame.arrays[`shell.${name}`];
   if (by === "speed") return (_, point) => ramp(of("speed")[point] / (top || 1));
   if (by === "damage" || by === "c_his") return (t) => ramp(of(by)[t] / (top || 1));
-  const most = largest(of("fragment"));
-  if (by === "fragment") return (t) => (of("fragment")[t] === most ? [0.90, 0.92, 0.92] : pastel(of("fragment")[t]));
-  return (t) => varied(of("fragment")[t] === most ? 0 : of("fragment")[t] + 1, look.partColour(of("part")[t]), 0.1);
+  if (by === "fragment") return (t) => pastel(of("fragment")[t], look.whole);
+  return (t) => tint(of("fragment")[t], look.partColour(of("part")[t]), look.whole);
 }
 
 export function bodyColour(frame, by, top, look) {
@@ -59,9 +62,9 @@ export function bodyColour(frame, by, top, look) {
   return (t, point) => {
     if (kind[t] === STATIC) return look.bodyColour(body[t], FLOOR);
     if (by === "speed") return ramp(speed[point] / (top || 1));
-    const broken = kind[t] === SHARD || kind[t] === FROZEN;
-    if (!broken) return look.bodyColour(body[t], STEEL);
-    if (by === "fragment") return kind[t] === FROZEN ? [0.90, 0.92, 0.92] : pastel(body[t]);
-    return varied(kind[t] === FROZEN ? 0 : body[t] + 1, look.shardColour(body[t], part?.[t] ?? -1), 0.14);
+    if (!BROKEN.includes(kind[t])) return look.bodyColour(body[t], STEEL);
+    const base = look.shardColour(body[t], part?.[t] ?? -1);
+    if (kind[t] === FROZEN) return by === "fragment" ? WHOLE : base; // what is left, of all its pieces
+    return by === "fragment" ? pastel(body[t], look.whole) : tint(body[t], base, look.whole);
   };
 }

@@ -1,7 +1,7 @@
 // Draws a frame's triangles and lines with three.js, and only after a change.
 import * as THREE from "three";
 import { OrbitControls } from "./OrbitControls.js";
-import { bodyColour, shellColour } from "./colours.js";
+import { BROKEN, bodyColour, shellColour } from "./colours.js";
 
 const MOVING = 0, STATIC = 2; // `kind` of a triangle of bodies
 const FIELD_DEG = 30;
@@ -50,18 +50,23 @@ export class Picture {
     this.#origin ??= frame.origin;
     this.#shown.position.set(...frame.origin.map((v, axis) => v - this.#origin[axis]));
     const a = frame.arrays, { by, top, look } = options;
+    const oneOfTwo = 1 - Math.sqrt(1 - look.glassOpacity); // of glass of which two faces are drawn
     if (a["shell.index"]) {
       const normals = a["shell.normal"];
-      const opacity = frame.thickness_m > 0 ? 1 - Math.sqrt(1 - look.glassOpacity) : look.glassOpacity; // of one of two faces
+      const opacity = frame.thickness_m > 0 ? oneOfTwo : look.glassOpacity;
       const clear = by === "part" ? (t) => look.isGlass(a["shell.part"][t]) : () => false;
       const colour = shellColour(frame, by, top, look);
-      this.#add(a["shell.position"], a["shell.index"], colour, normals, (t) => !clear(t), 1, options);
-      this.#add(a["shell.position"], a["shell.index"], colour, normals, clear, opacity, options);
+      this.#add(a["shell.position"], a["shell.index"], colour, normals, (t) => !clear(t), 1, options, true);
+      this.#add(a["shell.position"], a["shell.index"], colour, normals, clear, opacity, options, true);
     }
     if (a["bodies.index"]) {
       const kind = a["bodies.kind"], colour = bodyColour(frame, by, top, look);
-      const mesh = (keep) => this.#add(a["bodies.position"], a["bodies.index"], colour, null, keep, 1, options);
-      if (options.bodies) mesh((t) => kind[t] !== STATIC);
+      const mesh = (keep, opacity = 1) =>
+        this.#add(a["bodies.position"], a["bodies.index"], colour, null, keep, opacity, options, false);
+      const clear = (t) => by === "part" && BROKEN.includes(kind[t]) &&
+        look.isGlassShard(a["bodies.body"][t], a["bodies.part"]?.[t] ?? -1);
+      if (options.bodies) mesh((t) => kind[t] !== STATIC && !clear(t));
+      if (options.bodies) mesh(clear, oneOfTwo);
       if (options.fixed) mesh((t) => kind[t] === STATIC);
       if (options.bodies) this.#addLines(a.outlines, 0.35);
     }
@@ -72,7 +77,7 @@ export class Picture {
     this.redraw();
   }
 
-  #add(points, index, colour, normals, keep, opacity, options) {
+  #add(points, index, colour, normals, keep, opacity, options, shell) {
     const kept = [];
     for (let t = 0; t < index.length / 3; t++) if (keep(t)) kept.push(t);
     if (!kept.length) return;
@@ -99,7 +104,18 @@ export class Picture {
       wireframe: options.mesh, transparent: opacity < 1, opacity, depthWrite: opacity > 0.6, forceSinglePass: true,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, // keeps lines on a face in front of it
     });
-    this.#shown.add(new THREE.Mesh(geometry, material));
+    const mesh = new THREE.Mesh(geometry, material);
+    mesh.userData = { shell, kept };
+    this.#shown.add(mesh);
+  }
+
+  /** The triangle of a frame at a place of the window [px]: {shell, triangle}; null where there is none. */
+  pick(x, y) {
+    const { left, top, width, height } = this.#canvas.getBoundingClientRect();
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(new THREE.Vector2(2 * (x - left) / width - 1, 1 - 2 * (y - top) / height), this.#camera);
+    const hit = ray.intersectObjects(this.#shown.children.filter((object) => object.userData.kept), false)[0];
+    return hit ? { shell: hit.object.userData.shell, triangle: hit.object.userData.kept[hit.faceIndex] } : null;
   }
 
   /** `lift` [m]: how far lines are drawn towards the eye. */

@@ -1,5 +1,5 @@
 // The page: gets state, frames and curves from the server, and plays them.
-import { DEBRIS, GLASS, highest, ramp } from "./colours.js";
+import { BROKEN, DEBRIS, GLASS, highest, ramp, wholeIds } from "./colours.js";
 import { FrameStore } from "./frame.js";
 import { Plots, short } from "./plots.js";
 import { Picture } from "./scene.js";
@@ -7,6 +7,7 @@ import { Picture } from "./scene.js";
 const AHEAD = 3;             // number of frames fetched in advance
 const ASK_RUNNING_MS = 2000; // interval of requests for new frames of a run in progress
 const ASK_ENDED_MS = 6000;   // the same after its end: a run may be resumed or replaced
+const CLICK_PX = 4;          // most that a click moves
 const UNITS = { speed: "m/s", damage: "", c_his: "" };
 
 const $ = (id) => document.getElementById(id);
@@ -19,12 +20,16 @@ const tops = {}; // highest value so far, by coloured quantity
 
 // look of the parts, by their materials; a single shell of which nothing is known is drawn as glass, as in the other pictures
 const look = {
+  whole: new Set(), // ids of the parts before they broke
   partColour: (n) => state.shells[n]?.colour ?? (look.isGlass(n) || !look.several() ? GLASS : state.palette[n % state.palette.length]),
   bodyColour: (body, other) => (state.body_colours?.[body - 1]?.length ? state.body_colours[body - 1] : other),
   isGlass: (n) => state.shells[n]?.glass ?? state.shells.length === 0,
   several: () => state.shells.length > 1 || state.shells.some((shell) => !shell.glass) || new Set(current?.arrays["shell.part"] ?? []).size > 1,
+  shardPart: (body, shell) => (shell >= 0 ? shell : state.part_of[body]), // not known for every shard of earlier versions
+  isGlassShard: (body, shell) => (look.several() ? look.shardPart(body, shell) !== undefined && look.isGlass(look.shardPart(body, shell))
+                                                 : look.isGlass(0)),
   shardColour: (body, shell) => {
-    const part = shell >= 0 ? shell : state.part_of[body]; // not known for every shard of earlier versions
+    const part = look.shardPart(body, shell);
     return !look.several() ? look.partColour(0) : part === undefined ? DEBRIS : look.partColour(part);
   },
   get glassOpacity() { return look.several() ? 0.45 : 0.75; },
@@ -99,6 +104,7 @@ async function go(k) {
       const first = current === null;
       current = frame;
       shown = k;
+      if (k === 0) look.whole = wholeIds(frame);
       draw();
       if (first) picture.fit(frame);
       say("");
@@ -158,6 +164,14 @@ function legend(by) {
   $("legend").replaceChildren(...rows);
 }
 
+/** Says which piece or body is at a place of the screen. */
+function point(event) {
+  const hit = current && picture.pick(event.clientX, event.clientY);
+  const id = hit && current.arrays[hit.shell ? "shell.fragment" : "bodies.body"][hit.triangle];
+  const piece = hit && (hit.shell || BROKEN.includes(current.arrays["bodies.kind"][hit.triangle]));
+  $("picked").textContent = hit ? `${piece ? "piece" : "body"} ${id}` : "";
+}
+
 function pause() {
   clearInterval(timer);
   timer = null;
@@ -182,6 +196,12 @@ function step(by) {
 }
 
 function listen() {
+  let down = null; // where the pointer went down: a turn of the camera is no click
+  $("picture").addEventListener("pointerdown", (event) => { down = event; });
+  $("picture").addEventListener("pointerup", (event) => {
+    if (down && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < CLICK_PX) point(event);
+    down = null;
+  });
   $("play").addEventListener("click", () => (timer === null ? play() : pause()));
   $("back").addEventListener("click", () => step(-1));
   $("forth").addEventListener("click", () => step(1));

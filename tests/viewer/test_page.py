@@ -212,6 +212,36 @@ class Page(InABrowser):
         for ink in (words[:, :12], words[:, -12:]):
             self.assertLess(ink.min(), 120, "no ink at an end")
 
+    def test_a_piece_keeps_its_colour_at_hand_off(self) -> None:
+        """Piece 9 in the shell and as a shard, beside the whole pane 3 and what is left of it."""
+        script = """import('./colours.js').then(m => {
+            const shell = {arrays: {'shell.fragment': [3, 9, 4], 'shell.part': [0, 0, 0]}};
+            const bodies = {arrays: {'bodies.kind': [3, 1, 1], 'bodies.body': [12, 9, 4], 'bodies.part': [0, 0, 0]}};
+            const look = {whole: m.wholeIds(shell), partColour: () => m.GLASS, shardColour: () => m.GLASS};
+            return ['part', 'fragment'].map(by => [m.shellColour(shell, by, 0, look), m.bodyColour(bodies, by, 0, look)]
+              .map(of => [0, 1, 2].map(t => of(t, t)))); })"""
+        for by, (before, after) in zip(("part", "fragment"), self.browser.evaluate(script)):
+            self.assertEqual(before, after, by)
+            self.assertGreater(np.abs(np.subtract(before[1], before[2])).max(), 0.01, by)
+
+    def test_a_click_says_which_piece_it_is(self) -> None:
+        k = 7  # some pieces are shards, others still of the shell
+        self.slide(k)
+        self.drawn(k)
+        frame = list_frames(self.folder)[k]
+        shell, bodies = frame.read(SHELL), frame.read(BODIES)
+        known = {f"piece {n}" for n in shell.of_triangles("fragment", 0)}
+        known |= {f"{'piece' if kind in (1, 3) else 'body'} {n}"
+                  for n, kind in zip(bodies.of_triangles("body", 0), bodies.of_triangles("kind", 0))}
+        click = """(() => { const c = document.querySelector('#picture'), r = c.getBoundingClientRect();
+            const at = {clientX: r.left + %g * r.width, clientY: r.top + %g * r.height, bubbles: true};
+            for (const what of ['pointerdown', 'pointerup']) c.dispatchEvent(new PointerEvent(what, at));
+            return document.getElementById('picked').textContent; })()"""
+        found = {self.browser.evaluate(click % (x, y)) for x in np.linspace(0.2, 0.8, 7) for y in np.linspace(0.2, 0.8, 7)}
+        self.assertGreater(len({said for said in found if said.startswith("piece")}), 3, found)
+        self.assertEqual(found - known - {""}, set())
+        self.assertEqual(self.browser.evaluate(click % (0.999, 0.001)), "", "nothing is there")
+
     def fastest(self) -> float:
         """The largest speed [m/s] in the only frame that the page has coloured by speed."""
         return float(np.linalg.norm(body_velocity(list_frames(self.folder), 7), axis=1).max())
