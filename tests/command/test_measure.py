@@ -48,7 +48,7 @@ class Measuring(unittest.TestCase):
         path.chmod(0o755)
 
     def validator(self, status: int) -> None:
-        self.program("sunder-validate", "out = sys.argv[sys.argv.index('--json') + 1]\n"
+        self.program("sunder-validate", "if '--list' in sys.argv: sys.exit(0)\nout = sys.argv[sys.argv.index('--json') + 1]\n"
                      f"open(out, 'w').write({json.dumps(json.dumps(NUMBERS))})\n"
                      f"open({str(self.folder / 'arguments')!r}, 'w').write(' '.join(sys.argv[1:]))\nsys.exit({status})")
 
@@ -79,6 +79,14 @@ class Measuring(unittest.TestCase):
         table = self.folder / "table.json"
         self.assertEqual(sunder(["validate", "shells", "--case", "cheese", "--json", str(table)]), 2)
         self.assertFalse(table.exists())
+
+    def test_a_mistyped_case_is_answered_with_the_nearest_of_program_and_whole_runs(self) -> None:
+        self.program("sunder-validate", "assert sys.argv[1:] == ['--list']\nprint('shells:\\n  roof    a roof')")
+        mirror = experiments.Experiment("mirror", "a pane", lambda table, executables: None)
+        for case, words in (("mirorr", "did you mean 'mirror'?"), ("rof", "did you mean 'roof'?"), ("xyz", "there are roof, mirror")):
+            with mock.patch.dict(experiments.EXPERIMENTS, {"shells": (mirror,)}):
+                self.assertEqual(sunder(["validate", "shells", "--case", case]), 2)
+            self.assertIn(f"--case {case}: suite shells has no such case; {words}", self.said.getvalue())
 
     def test_cases_are_those_that_the_program_lists_and_whole_runs(self) -> None:
         self.program("sunder-validate", "assert sys.argv[1:] == ['--list']\n"

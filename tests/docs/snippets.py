@@ -6,8 +6,10 @@
     ```textproto                a whole scene: it must pass `sunder check` and, with until=SECONDS, is run for that long;
                                 with `run` to its end
     ```textproto into=SCENE     a part of a scene: merged into SCENE, the same
-    ```python                   it must compile; with `run` it is run with the project's modules on the path
-    ```text, ```cpp             output and excerpts: left alone
+    ```python run               it is run with the project's modules on the path
+    ```python check: REASON     it must compile
+    ```cpp check: REASON        a test of the place that REASON names compiles the same lines
+    ```text                     output: left alone
 
 Blocks of one README share a folder, in their order. `file=NAME` saves a block there. `drop=PATH,...` empties fields of the
 base scene first, e.g. drop=bodies,shells[pane].supports.

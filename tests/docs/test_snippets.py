@@ -124,6 +124,23 @@ class Snippets(unittest.TestCase):
                     self.assertGreater(len(snippet.reason), 8, f"{snippet.place}: say why it is not run")
                 elif snippet.language == "textproto":
                     self.assertTrue(snippet.is_run, f"{snippet.place}: say until=SECONDS, or run")
+                elif snippet.language == "python":
+                    self.assertTrue(snippet.is_run, f"{snippet.place}: say run, or check: and why it is compiled only")
+                self.assertFalse(snippet.language == "cpp" and snippet.mode != "check",
+                                 f"{snippet.place}: say check: and which file of tests/ compiles these lines")
+
+    def test_excerpts_of_cpp_are_compiled_by_a_test(self) -> None:
+        """The lines of a block stand in the file that its reason names, but for their indent."""
+        found = 0
+        for readme in readmes():
+            for snippet in (one for one in snippets(readme) if one.language == "cpp"):
+                named = re.search(r"tests/[\w/]+_test\.cpp", snippet.reason)
+                self.assertIsNotNone(named, f"{snippet.place}: name the file of tests/ that compiles it")
+                assert named is not None
+                text = " ".join((TOP / named[0]).read_text(encoding="utf-8").split())
+                self.assertIn(" ".join(snippet.text.split()), text, f"{snippet.place}: {named[0]} has other lines")
+                found += 1
+        self.assertGreater(found, 0)
 
     def test_every_key_of_a_run_is_explained(self) -> None:
         """coupler/README.md has run.json key by key, two levels deep; roof starts in equilibrium."""

@@ -61,12 +61,14 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
     gaps = read_known(KNOWN / f"{what}.txt")
     runs = EXPERIMENTS.get(what, ())
     chosen = tuple(e for e in runs if e.name == case or case is None and not e.by_name)
+    if case is not None and not chosen:
+        names = _listed(what) and (*case_names(what), *cases_by_name(what))  # none: the program says what is wrong with it
+        if names and case not in names:
+            raise CommandError(f"--case {case}: suite {what} has no such case; {did_you_mean(case, names)}", BAD_INPUT)
     status, found = DONE, dict[str, Any](cases=[], curves=[], ran={}, left=[])
     if case is None or not chosen:
         status = _by_program(what, case, found)
         if status not in (DONE, CHECK_FAILED, INTERRUPTED):
-            if status == BAD_INPUT and case:
-                print(f"and, by whole runs: {' '.join(e.name for e in runs)}", file=sys.stderr)
             return status
     table = Table(headed=bool(found["cases"]), pictures=pictures, ran=found["ran"])
     left = [*found["left"], *(run_experiments(chosen, table) if status != INTERRUPTED else (e.name for e in chosen))]

@@ -12,7 +12,7 @@ from pathlib import Path
 from sunder_tools.errors import BAD_INPUT, CommandError
 from sunder_tools.launch.build import Executables, ensure_built
 from sunder_tools.launch.run import launch_once
-from sunder_tools.launch.shipped import needs_cad
+from sunder_tools.launch.needs import reads_cad
 
 from .trials import SCENES, Table, answering
 
@@ -86,9 +86,10 @@ def _one(table: Table, executables: Executables, engine: str, words: list[str], 
                 "output.checkpoint_interval_s=0", *wanted.settings]
     with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
         try:
-            if needs_cad(wanted.scene):
+            scene = SCENES / f"{wanted.scene}.textproto"
+            if reads_cad(scene.read_text()):
                 executables = ensure_built(cad=True)
-            run = launch_once(executables, SCENES / f"{wanted.scene}.textproto", Path(folder), settings, engine)
+            run = launch_once(executables, scene, Path(folder), settings, engine)
         except CommandError as error:
             lacks = re.search(r"cannot do '(\w+)'", str(error))
             if error.status == BAD_INPUT and lacks and lacks[1] not in words:  # reported before the run

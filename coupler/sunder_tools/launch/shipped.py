@@ -13,12 +13,13 @@ from ..errors import BAD_INPUT, CommandError
 from ..places import REPOSITORY
 from ..report.machine import circumstances
 from ..words import did_you_mean
-from .build import build_dir, ensure_built
+from .build import build_dir
+from .needs import built_for
 from .run import launch_once, read_usage
 
 SCENES = REPOSITORY / "scenes"
 ENDING = ".textproto"
-CAD = "cad"  # folder of the scenes that need OpenCASCADE; their names are cad/windscreen and so on
+FOLDERS = ("", "cad", "paper")  # below the folder of scenes: the rest needs OpenCASCADE, or is of the paper
 SECONDS = "seconds.json"  # beside the scenes; written by measure() only
 
 
@@ -32,16 +33,12 @@ class Shipped:
 
 
 def shipped(folder: Path = SCENES) -> list[Shipped]:
-    """All scenes of a folder and of its folder of CAD scenes, by name. Raises CommandError where the measured seconds cannot be read."""
+    """All scenes of a folder and of FOLDERS below it, by name, such as 'paper/fig01'. Raises CommandError where the measured
+    seconds cannot be read."""
     measured = read_seconds(folder)
     return [Shipped(name, path, about(path.read_text(encoding="utf-8")), _seconds(measured.get(name)))
-            for path in sorted((*folder.glob("*" + ENDING), *folder.glob(f"{CAD}/*{ENDING}")))
-            for name in (path.relative_to(folder).as_posix().removesuffix(ENDING),)]
-
-
-def needs_cad(name: str) -> bool:
-    """Whether a scene that ships needs OpenCASCADE."""
-    return name.startswith(CAD + "/")
+            for below in FOLDERS for path in sorted((folder / below).glob("*" + ENDING))
+            for name in (str(path.relative_to(folder)).removesuffix(ENDING),)]
 
 
 def about(text: str) -> str:
@@ -84,7 +81,7 @@ def measure(names: list[str], folder: Path = SCENES) -> None:
         if name not in there:
             raise CommandError(f"no scene '{name}' ships; {did_you_mean(name, there)}", BAD_INPUT)
     for name in names or there:
-        executables = ensure_built(cad=needs_cad(name))
+        executables = built_for(there[name])
         print(f"sunder: measuring {name}", file=sys.stderr, flush=True)
         made_with = circumstances(build_dir())  # the load before it, not its own
         with tempfile.TemporaryDirectory(prefix="seconds-sunder-") as out:
