@@ -8,13 +8,14 @@ import os
 import tarfile
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
 from sunder_tools.errors import CommandError
 from tests.validation import experiments, public_files
 from tests.validation.known import holds, judge
-from tests.validation.public_files import ARCHIVE, FILES, NO_CAD, PublicFile, copied, fetched, inspected, taken_in_words
+from tests.validation.public_files import ARCHIVE, FILES, NO_CAD, PublicFile, copied, fetched, inspected, taken_count, taken_in_words
 from tests.validation.trials import Missing
 
 FILE = PublicFile("part", "tools-doc", "usr/part.step.gz", 3)
@@ -44,6 +45,19 @@ class Public(unittest.TestCase):
         mesh = {"charts": [{"error_m": 1e-3}, {"error_m": 2e-3}], "triangles": 12, "refused": None}
         self.assertIn("12 triangles, 2 charts, off by 0.002 m at most", taken_in_words(mesh, FILE))
         self.assertIn("refused: it is too rough", taken_in_words(mesh | {"refused": "it is too rough", "charts": []}, FILE))
+
+    def test_nothing_is_taken_for_the_expected_reason_alone(self) -> None:
+        bull = next(file for file in FILES if file.name == "bull")
+        for reason, right in (("85 of 157 parts are too small for it", True), ("the file is cut off", False), (None, False)):
+            count = taken_count({"refused": reason, "charts": []}, [], bull)
+            self.assertEqual(count == bull.taken, right, reason)
+        self.assertEqual(taken_count({"faces": []}, [{}, {}], FILE), 2)
+
+    def test_a_file_s_own_spacing_is_asked_for(self) -> None:
+        self.program("shell", 'echo "{\\"told\\": \\"$*\\"}"\n')
+        shell, path = mock.Mock(shell=self.top / "bin" / "shell"), self.top / "part.step"
+        self.assertIn("--element 0.001", inspected(shell, path, replace(FILE, element=1e-3), self.top / "frame")["told"])
+        self.assertNotIn("--element", inspected(shell, path, FILE, self.top / "frame")["told"])
 
     def test_needs_the_archive_and_says_so(self) -> None:
         self.program("apt-get", "echo 'E: Unable to locate package'; exit 100\n")
