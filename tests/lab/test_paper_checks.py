@@ -54,7 +54,8 @@ class Books(unittest.TestCase):
                                                 "</Collection></VTKFile>")
 
     def test_what_is_missing_is_over_the_fracture_energy_of_the_cracks(self) -> None:
-        scene, run = self.scene("fig14_even"), run_of(-2e-3, -0.05, 3.0)
+        self.cracks([0, 0, 0], [0.1, 0.1, 0.0])  # 3 m, and a cut of 3 m
+        scene, run = self.scene("fig14_even"), run_of(-2e-3, -0.05, 6.0)
         end, window, needed = missing(self.folder, run, scene)
         self.assertAlmostEqual(needed, 250.0 * 5e-3 * 3.0)      # J/m2 times m times m
         self.assertAlmostEqual(end, 2e-3 * 50.0 / 3.75)         # of the largest energy, in J
@@ -88,6 +89,7 @@ class Books(unittest.TestCase):
     def test_a_run_that_is_not_done_or_has_no_curves_does_not_pass(self) -> None:
         self.assertEqual(books_of("fig13", self.folder, {"status": "failed"}, self.scene("fig13")), [])
         (self.folder / "series.csv").unlink()
+        self.cracks([0, 0], [0.1, 0.1])
         books = books_of("fig14_even", self.folder, run_of(0.0, 0.0, 3.0), self.scene("fig14_even"))
         self.assertEqual([verdict(check, "full") for check in books], ["held", "failed", "held"])
 
