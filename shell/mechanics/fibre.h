@@ -6,12 +6,12 @@
 // a = Q^T a3 = (r13, r23, r33), Q = (q1, q2, n), so a rotation of shell and fibre together does not change them.
 //   da/dt = Q^T (L - W) Q a,  L the velocity gradient that layers share, W the spin of the frame.
 //
-// Shear and pressure may damage a fibre (own derivation, after eq. 9 of the paper). With tau = gamma |(r13, r23)|,
-// p = k (1 - r33)^2 and the strengths tau_f and p_f, both times a factor of the place:
-//   q = max(tau / tau_f, p / p_f),  c = (1 + H) (1 - 1 / q) for q > 1, at most 1, else 0
+// Shear and pressure may damage a fibre (own derivation, after eq. 9 of the paper). With t = gamma |(r13, r23)|,
+// p = k (1 - r33)^2 and the strengths t_f and p_f, both times a factor of the place:
+//   q = max(t / t_f, p / p_f),  c = (1 + H) (1 - 1 / q) for q > 1, at most 1, else 0
 //   psi' = (1 - c) gamma/2 (r13^2 + r23^2) + k/3 (1 - r33)^3
-// So damage takes the shear stress, and pressure is borne as before. H = brittleness(tau_f, gamma, G_f, l): shear takes
-// tau_f^2 (1 + H) / (2 gamma H) = G_f / l per volume.
+// So damage takes the shear stress, and pressure is borne as before. H = brittleness(t_f, gamma, G_f, l): shear takes
+// t_f^2 (1 + H) / (2 gamma H) = G_f / l per volume.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -25,7 +25,7 @@ struct FibreLaw {
   double shear = 0.0;        // gamma [Pa]
   double friction = 0.0;     // c_f [-]
   // Of damage, at a factor of 1.
-  double shear_strength = std::numeric_limits<double>::infinity();     // tau_f [Pa]
+  double shear_strength = std::numeric_limits<double>::infinity();     // t_f [Pa]
   double crushing_strength = std::numeric_limits<double>::infinity();  // p_f [Pa]
   double brittleness = 0.0;                                            // H [-]; 0: fibres are not damaged
 

@@ -119,6 +119,10 @@ struct CrackedPoints {
   void saved(F&& f) {
     f(tables.metric, interlayer.metric, of_interlayer, gathered, point_of, damage, watched, reach);
   }
+  /// Place of a gathered point, block * lanes + lane.
+  std::size_t gauss_of(std::size_t point) const {
+    return static_cast<std::size_t>(gathered[point].block) * tables.lanes + gathered[point].lane;
+  }
   PointKind kind(std::size_t gauss) const { return static_cast<PointKind>(kind_of[gauss]); }
   void note_kind(const GatheredPoint& g) {
     kind_of[static_cast<std::size_t>(g.block) * tables.lanes + g.lane] = static_cast<char>(g.kind);

@@ -71,6 +71,7 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   if (m.has_fibres()) {
     s.layers.fibres.assign(gauss * 6, 0.0);
     for (std::size_t i = 2; i < s.layers.fibres.size(); i += 3) s.layers.fibres[i] = 1.0;
+    if (m.fibres.breaks()) s.layers.through.assign(gauss * 2, 0.0f), s.layers.through_his.assign(gauss * 2, 0.0f);
   }
   s.cracked.kind_of.assign(gauss, static_cast<char>(PointKind::kQuadratic));
   s.cracked.point_of.assign(gauss, -1), s.caches.visibility_of.assign(gauss, -1), s.cracked.reach.assign(gauss, 0.0f);

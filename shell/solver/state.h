@@ -56,19 +56,29 @@ struct LayerStates {
   char plastic_made = 0;              // whether `plastic` is there, for the kernels
   std::vector<double> plastic_forms;  // surface forms at the last plastic step; empty: no yielding
   std::vector<double> fibres;  // [block][lane][below, above][r13, r23, r33]; empty: none (solver/contact/fibres.h)
-  double brittleness = 0.0;    // H of eq. 9 [-]; 0: damage does not drive cracks
-  bool heals = true;           // damage falls with the stress; otherwise it keeps its maximum
+  // [block][lane][below, above]: damage of fibres now, and its maximum [-]; empty: they are not damaged
+  std::vector<float> through, through_his;
+  double brittleness = 0.0;  // H of eq. 9 [-]; 0: damage does not drive cracks
+  bool heals = true;         // damage falls with the stress; otherwise it keeps its maximum
 
   /// Calls f with all members that the hash of a run takes.
   template <class Self, class F>
   static void hashed(Self& self, F&& f) {
-    f(self.fibres, self.c_his);
+    f(self.fibres, self.c_his, self.through, self.through_his);
   }
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
     hashed(*this, f);
     f(face_stress, strength, c, plastic, plastic_forms, brittleness, heals);
+  }
+  /// Damage of the fibres of a Gauss point, block * lanes + lane: the larger of both sides, now or its maximum.
+  float fibre_damage(std::size_t gauss) const { return larger(through, gauss); }
+  float worst_fibre_damage(std::size_t gauss) const { return larger(through_his, gauss); }
+
+ private:
+  static float larger(const std::vector<float>& sides, std::size_t gauss) {
+    return sides.empty() ? 0.0f : std::max(sides[2 * gauss], sides[2 * gauss + 1]);
   }
 };
 
@@ -141,6 +151,13 @@ struct ShellState {
   }
   bool yields() const { return !layers.plastic_forms.empty(); }
   bool weakens() const { return layers.brittleness > 0.0; }  // by damage
+  /// Damage of a listed Gauss point, index `point`, now and at its worst: the largest of its layers and its fibres.
+  float damage(std::size_t point) const {
+    return std::max(cracked.damage[point].damage(), layers.fibre_damage(cracked.gauss_of(point)));
+  }
+  float worst_damage(std::size_t point) const {
+    return std::max(cracked.damage[point].worst(), layers.worst_fibre_damage(cracked.gauss_of(point)));
+  }
   Vec3 position(int slot) const { return at(motion.x, slot); }
   Vec3 velocity(int slot) const { return at(motion.v, slot); }
   Vec3 at(const std::vector<double>& a, int slot) const {

@@ -117,10 +117,23 @@ Vec3 Fibres::fibre(const ShellState& s, std::size_t sample, int side) const {
 void Fibres::relax(const ShellModel& m, ShellState& s, const Place& p, int side, const Vec3& a) {
   double* old = &s.layers.fibres[at(s, p, side)];
   const Vec3 trial(old[0], old[1], old[2]);
+  const double c = damage(s, p, side);
+  if (c > 0.0 && s.layers.heals) s.layers.through[at(s, p, side) / 3] = 0.0f;
   if (trial == a) return;
   const double half = 0.5 * m.thickness * m.tables.metric[m.tables.at(p.block, kMetricFields, kArea, p.lane)];
-  s.book.contact += half * (fibre_energy(m.fibres, trial) - fibre_energy(m.fibres, a));
+  s.book.contact += half * (fibre_energy(m.fibres, trial, c) - fibre_energy(m.fibres, a, c));
   for (int d = 0; d < 3; ++d) old[d] = a[d];
+}
+
+Fibres::Weakening Fibres::weaken(const ShellModel& m, ShellState& s, const Place& p, int side, const Vec3& a) {
+  if (!m.fibres.breaks()) return {};
+  const std::size_t i = at(s, p, side) / 3;
+  float &c = s.layers.through[i], &worst = s.layers.through_his[i];
+  Weakening out;
+  out.before = c, out.factor = s.layers.strength[i / 2] / m.material.strength;
+  c = fibre_damage(m.fibres, a, out.factor, s.layers.heals ? 0.0f : worst);
+  worst = std::max(worst, c), out.now = c;
+  return out;
 }
 
 void Fibres::advance_fibre(const ShellModel& m, ShellState& s, std::size_t p, int side, double dt) {
@@ -130,12 +143,20 @@ void Fibres::advance_fibre(const ShellModel& m, ShellState& s, std::size_t p, in
   // fibres to d'/d.
   const Frame& f = frames_[p];
   const Mat3 change = Mat3::Identity() - dt * (f.q.transpose() * (q.together[side] - f.spin) * f.q);
-  const Vec3 before = fibre(s, p, side), a = change.inverse() * before, after = fibre_return(m.fibres, a);
+  const Vec3 before = fibre(s, p, side), a = change.inverse() * before;
+  const Weakening c = weaken(m, s, places_[p], side, a);
+  const Vec3 after = fibre_return(m.fibres, a, c.now, c.factor);
   double* stored = &s.layers.fibres[at(s, places_[p], side)];
   for (int d = 0; d < 3; ++d) stored[d] = after[d];
   if (after != a) {  // work of the mean of both stresses, as leapfrog counts it, minus the stored energy
-    const Vec3 mean = 0.5 * (fibre_stress(m.fibres, before) + fibre_stress(m.fibres, after));
-    s.book.contact += f.half * (mean.dot(a - before) - fibre_energy(m.fibres, after) + fibre_energy(m.fibres, before));
+    const Vec3 mean = 0.5 * (fibre_stress(m.fibres, before, c.before) + fibre_stress(m.fibres, after, c.now));
+    s.book.contact += f.half * (mean.dot(a - before) - fibre_energy(m.fibres, after, c.now) +
+                                fibre_energy(m.fibres, before, c.before));
+  }
+  if (c.now != c.before && a.z() <= 1.0) {  // its share of that; layers that part release what is left
+    const double taken = f.half * damage_energy(m.fibres, c.before, c.now, before, a);
+    (s.layers.heals ? s.book.healing : s.book.fracture) += taken;
+    if (after != a) s.book.contact -= taken;
   }
   if (a.z() > kLeast) return;
   throw Error(
@@ -160,8 +181,9 @@ void Fibres::find_forces(const std::vector<ShellRef>& shells, double dt) {
     ShellState& s = *shells[samples_[p].shell].state;
     for (int side = 0; side < 2; ++side) {
       if (dt > 0.0) advance_fibre(m, s, p, side, dt);
-      const Vec3 a = fibre(s, p, side), stress = fibre_stress(m.fibres, a);
-      energy_ += frames_[p].half * fibre_energy(m.fibres, a);
+      const double c = damage(s, places_[p], side);
+      const Vec3 a = fibre(s, p, side), stress = fibre_stress(m.fibres, a, c);
+      energy_ += frames_[p].half * fibre_energy(m.fibres, a, c);
       stress_[p][side].setZero();
       if (stress.isZero(0.0)) continue;
       stress_[p][side] = frames_[p].half * (frames_[p].q * stress) * (frames_[p].q * a).transpose();

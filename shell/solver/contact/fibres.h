@@ -15,7 +15,8 @@ class Fibres {
 
   /// Advances fibres after the `drift` of a substep of `dt` [s]: they follow the velocities of that substep and slip
   /// where friction allows it. Their forces on control points at the new positions are computed. Dissipation by slip is
-  /// booked as `contact`. Throws Error (physics) where layers are compressed beyond a limit.
+  /// booked as `contact`, that by damage as `fracture`, or `healing` where damage heals. Throws Error (physics) where
+  /// layers are compressed beyond a limit.
   void advance(const std::vector<ShellRef>& shells, double dt);
   /// Adds the fibres' forces. Call it after compute_forces, at the same positions.
   void add_forces(const std::vector<ShellRef>& shells);
@@ -43,10 +44,19 @@ class Fibres {
   void advance_fibre(const ShellModel& model, ShellState& state, std::size_t sample, int side, double dt);
   void find_forces(const std::vector<ShellRef>& shells, double dt);
   Vec3 fibre(const ShellState& state, std::size_t sample, int side) const;
-  /// Sets a fibre to `a` and books the energy that it releases.
+  /// Damage of a fibre before and after a substep [-], and the factor of its strengths.
+  struct Weakening {
+    double before = 0.0, now = 0.0, factor = 1.0;
+  };
+  /// Stores and returns the damage of a fibre that has become `a`.
+  static Weakening weaken(const ShellModel& model, ShellState& state, const Place& place, int side, const Vec3& a);
+  /// Sets a fibre to `a`, a state without stress, and books the energy that it releases.
   void relax(const ShellModel& model, ShellState& state, const Place& place, int side, const Vec3& a);
   static std::size_t at(const ShellState& state, const Place& p, int side) {
     return 6 * (static_cast<std::size_t>(p.block) * state.cracked.tables.lanes + p.lane) + 3 * side;
+  }
+  static double damage(const ShellState& state, const Place& p, int side) {
+    return state.layers.through.empty() ? 0.0 : state.layers.through[at(state, p, side) / 3];
   }
 
   FibreGrid grid_;

@@ -336,6 +336,10 @@ bool none_listed(const int* point_of) {
 
 void watch_stress(const ShellModel& m, ShellState& s) {
   const RowTables& t = m.tables;
+  if (!s.layers.through.empty())
+    for (int q = 0; q < t.blocks(); ++q)
+      for (int e = 0; e < t.spans_u; ++e)
+        if (s.layers.fibre_damage(static_cast<std::size_t>(q) * t.lanes + e) > 0.0f) watch_point(m, s, q, e);
   // stress at rest is not in the resultants: its tension in the middle is added
   const double at_rest = kTemperedMiddle * m.material.surface_compression;
   for (int q = 0; q < t.blocks(); ++q) {
@@ -348,8 +352,7 @@ void watch_stress(const ShellModel& m, ShellState& s) {
       for (int e = first; e < std::min(t.spans_u, first + kLanes); ++e) {
         const int point = s.cracked.point_of[start + e];
         if (point >= 0) {
-          const PointDamage& d = s.cracked.damage[point];
-          s.layers.c[start + e] = d.damage(), s.layers.c_his[start + e] = d.worst();
+          s.layers.c[start + e] = s.damage(point), s.layers.c_his[start + e] = s.worst_damage(point);
           continue;
         }
         const double* f = stress + e;

@@ -8,8 +8,8 @@ namespace sunder::shell {
 /// Damage is watched in each substep; where it is complete, cracks are extracted.
 Criterion cracks_from_damage();
 
-/// Hands the Gauss points that come near their strength to the damage law. Call it with the stress of the present
-/// substep, not with a mean over time.
+/// Hands the Gauss points that come near their strength, or whose fibres are damaged, to the damage law. Call it with
+/// the stress of the present substep, not with a mean over time.
 void watch_stress(const ShellModel& model, ShellState& state);
 
 /// A point that was fully damaged once bears no bending any more where it is folded about as sharply as it is thick. It

@@ -25,7 +25,7 @@ DamageLattice::DamageLattice(const ShellModel& m, const ShellState& s, double sp
   now.assign(cells.size(), 0);
   const RowTables& t = m.tables;
   for (std::size_t k = 0; k < s.cracked.gathered.size(); ++k) {
-    if (s.cracked.damage[k].worst() < 1.0f) continue;
+    if (s.worst_damage(k) < 1.0f) continue;
     const int block = s.cracked.gathered[k].block, row = block / t.gauss;  // row = f * gauss + b
     const int i = s.cracked.gathered[k].lane * t.gauss + block % t.gauss;
     bool beside = false;
@@ -36,7 +36,7 @@ DamageLattice::DamageLattice(const ShellModel& m, const ShellState& s, double sp
       return !beside;
     });
     cells[at(i, row)] = beside ? kSpent : kDamaged;
-    now[at(i, row)] = s.cracked.gathered[k].kind == PointKind::kDead || s.cracked.damage[k].damage() >= 1.0f;
+    now[at(i, row)] = s.cracked.gathered[k].kind == PointKind::kDead || s.damage(k) >= 1.0f;
   }
 }
 

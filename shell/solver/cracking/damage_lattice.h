@@ -11,7 +11,7 @@ struct DamageLattice {
 
   const ShellModel* model;
   int columns, rows;
-  std::vector<Cell> cells;  // whether any layer was ever fully damaged
+  std::vector<Cell> cells;  // whether any layer, or the fibre on either side, was ever fully damaged
   std::vector<char> now;    // whether it is fully damaged at present, or rubble
 
   /// Damaged cells nearer than `spent` [m] to a crack belong to that crack.

@@ -14,7 +14,7 @@ bool is_spent(const ShellModel& m, const ShellState& s, int block, int lane) {
   const int point = s.cracked.point_of[static_cast<std::size_t>(block) * m.tables.lanes + lane];
   if (point < 0) return false;
   const GatheredPoint& g = s.cracked.gathered[point];
-  return g.kind == PointKind::kDead ? !g.handed_off : s.cracked.damage[point].damage() >= 1.0f;
+  return g.kind == PointKind::kDead ? !g.handed_off : s.damage(point) >= 1.0f;
 }
 
 }  // namespace

@@ -234,6 +234,9 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
         slack(q, lane);
         if (!s.cracked.damage.empty())
           s.cracked.damage[i].history.fill(0.0f);  // its damage makes no crack in the remaining shell
+        for (std::vector<float>* sides : {&s.layers.through, &s.layers.through_his})
+          for (std::size_t side = 0; side < 2 && !sides->empty(); ++side)
+            (*sides)[2 * s.cracked.gauss_of(i) + side] = 0.0f;
         if (s.cracked.of_interlayer.empty()) continue;
         if (const int core = m.trim.point_of[static_cast<std::size_t>(q) * t.lanes + lane]; core >= 0)
           s.cracked.of_interlayer[core].kind = PointKind::kDead, s.cracked.of_interlayer[core].functions.clear();

@@ -90,6 +90,7 @@ TEST(StateHash, DoesNotKnowForcesTimesOrCaches) {
 TEST(StateHash, IsThatOfTheseBytesInThisOrder) {
   Rig rig = sheet_and_ball();
   rig.state().layers.fibres = {0.25, -3.0};  // of a sheet with fibres, in short
+  rig.state().layers.through = {0.5f, 0.0f}, rig.state().layers.through_his = {0.75f, 0.0f};
   const SoftSetup block = soft_blocks::block(Vec3::Constant(0.02), soft_blocks::at({0.0, 0.0, 1.0}), 0.01);
   rig.now().soft = SoftBodies({block}, 1, {});
   ASSERT_FALSE(rig.state().cracks.graph.edges().empty());
@@ -99,6 +100,7 @@ TEST(StateHash, IsThatOfTheseBytesInThisOrder) {
   h.add(std::string("before"));
   const ShellState& s = rig.state();
   add(s.motion.x), add(s.motion.v), add(s.layers.fibres), add(s.layers.c_his);
+  add(s.layers.through), add(s.layers.through_his);
   for (const CrackEdge& e : s.cracks.graph.edges())
     h.add(std::vector<double>{e.a.x(), e.a.y(), e.b.x(), e.b.y(), e.time});
   for (const SoftState& soft : rig.now().soft.states()) add(soft.x), add(soft.v), add(soft.f), add(soft.affine);

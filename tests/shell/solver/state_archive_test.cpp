@@ -96,6 +96,16 @@ TEST(StateArchive, AStateThatIsReadContinuesToTheBit) {
   EXPECT_EQ(s.layers.face_stress, other.layers.face_stress);
 }
 
+TEST(StateArchive, KeepsTheDamageOfFibres) {
+  ShellModel m = brittle_sheet(6);
+  m.fibres = {1e6, 1e5, 0.5, 1e4, 2e5, 0.5};
+  ShellState s = make_state(m, Vec3::Zero(), 5), other = make_state(m, Vec3::Zero(), 5);
+  s.layers.through[7] = 0.25f, s.layers.through_his[7] = 0.5f;
+  read(other, bytes_of(s));
+  EXPECT_EQ(other.layers.through, s.layers.through);
+  EXPECT_EQ(other.layers.through_his, s.layers.through_his);
+}
+
 TEST(StateArchive, RefusesBytesThatEndTooEarlyOrGiveImpossibleLengths) {
   const ShellModel m = brittle_sheet(4);
   ShellState s = lively(m);

@@ -5,6 +5,7 @@
 
 #include "tests/shell/damaging_panel.h"
 #include "tests/shell/stitched.h"
+#include "tests/shell/torn_fibres.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -94,4 +95,22 @@ TEST(SeamDamage, WhatHasHealedAndOtherShellsAreLeftAlone) {
   spend_near_seam(s, 0, s.model(0).spacing, 0.05, 0.25);
   for (PointDamage& d : s.state(0).cracked.damage) d.now.fill(0.0f);
   EXPECT_FALSE(damage.open(s.refs(), s.seams(), s.stitching()));
+}
+
+// Fibres alone, of a shell whose layers are whole.
+TEST(SeamDamage, FibresThatAreTornAlongASeamOpenItToo) {
+  std::vector<ShellModel> halves{panel("left", flat(0.0, 0.15, 0.0, 0.3, 20, 40), 0.3),
+                                 panel("right", flat(0.15, 0.3, 0.0, 0.3, 20, 40), 0.3)};
+  halves[0].fibres = tearing_law();
+  Stitched s(std::move(halves));
+  SeamDamage damage = watched(s);
+  s.state(0).layers.brittleness = brittleness(kStrength, kYoung, kToughness, width(s.model(0)));
+  const auto beside = [&](const Vec2& p) {
+    const Vec3 x = s.model(0).patch.evaluate(p).x;
+    return std::abs(x.x() - 0.15) < s.model(0).spacing && x.y() > 0.1 && x.y() < 0.2;
+  };
+  const std::size_t before = joined_at(s).size();
+  tear_fibres_where(s.model(0), s.state(0), 1, beside);
+  EXPECT_TRUE(damage.open(s.refs(), s.seams(), s.stitching()));
+  EXPECT_LT(joined_at(s).size(), before);
 }

@@ -10,6 +10,7 @@
 #include "shell/solver/parting/handoff.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/prisms.h"
+#include "tests/shell/torn_fibres.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -211,4 +212,24 @@ TEST(HandOff, TheLastPieceTakesAllThatIsLeft) {
     EXPECT_NEAR(b.mass, before.mass, 1e-13 * before.mass) << share;
     EXPECT_LT((b.mass * b.motion.velocity - before.momentum).norm(), 1e-13 * before.momentum_scale) << share;
   }
+}
+
+// Fibres that leave with a piece make no crack in what stays.
+TEST(HandOff, TakesTheDamageOfFibresAlong) {
+  const ShellModel m = panel_with_fibres(30);
+  ShellState s = damaging(m);
+  insert_polyline(m, s, {{0.0, 0.1}, {0.3, 0.1}}, 0.0);
+  for (const std::size_t side : {0u, 1u}) tear_fibres_where(m, s, side, [](const Vec2&) { return true; });
+  std::vector<Piece> pieces;
+  const Triangulation t = partition(m, s, pieces);
+  ASSERT_EQ(t.pieces, 2);
+  hand_off(m, s, t, pieces[0].area < pieces[1].area ? pieces[0] : pieces[1], 7, 0.0);
+  int left = 0, stay = 0;
+  for (std::size_t k = 0; k < s.cracked.gathered.size(); ++k) {
+    const GatheredPoint& g = s.cracked.gathered[k];
+    EXPECT_EQ(s.worst_damage(k), g.handed_off ? 0.0f : 1.0f);
+    EXPECT_EQ(s.damage(k), g.handed_off ? 0.0f : 1.0f);
+    ++(g.handed_off ? left : stay);
+  }
+  EXPECT_NEAR(static_cast<double>(left) / (left + stay), 1.0 / 3.0, 0.03);  // within a row of points
 }
