@@ -100,8 +100,7 @@ TEST(FibreCracks, WhatHasHealedWasTornOnce) {
 
 // Fibres that may tear and do not leave the shell as it is, to the bit.
 TEST(FibreCracks, WholeFibresChangeNothing) {
-  const ShellModel with = panel_with_fibres(40);
-  ShellModel without = with;
+  ShellModel with = panel_with_fibres(40), without = with;
   without.fibres = {1e6, 1e5, 0.5};
   ShellState a = damaging(with), b = damaging(without);
   EXPECT_TRUE(b.layers.through.empty());
