@@ -7,11 +7,38 @@ namespace sunder::scene {
 namespace {
 
 constexpr double kMostFriction = 1e6;
+constexpr double kMostPressure = 0.81;  // of the compression modulus: fibres end at a tenth of their length
 
 const proto::Shell* with_fibres(const LoadedScene& s, const std::string& name) {
   for (const proto::Shell& shell : s.message.shells())
     if (shell.name() == name && shell.has_fibres()) return &shell;
   return nullptr;
+}
+
+// Damage of fibres, which is there where a shear strength is given.
+void damage(const LoadedScene& s, const std::string& f, const proto::Shell& shell) {
+  const proto::Fibres& m = shell.fibres();
+  const double most = kMostPressure * m.compression_modulus(), friction = m.has_friction() ? m.friction() : 0.5;
+  if (m.has_crushing_strength()) {
+    s.check(m.has_shear_strength(), f + ".crushing_strength",
+            "needs a shear_strength, from which the softening of fibres follows; give one, or leave it out");
+    positive(s, f + ".crushing_strength", true, m.crushing_strength(), "Pa");
+    s.check(m.crushing_strength() < most, f + ".crushing_strength",
+            "is {} Pa, and fibres end under {:.4g} compression_modulus, {:.4g} Pa; take less, or leave it out",
+            m.crushing_strength(), kMostPressure, most);
+  }
+  if (!m.has_shear_strength()) return;
+  positive(s, f + ".shear_strength", true, m.shear_strength(), "Pa");
+  s.check(m.has_crushing_strength() || m.shear_strength() < friction * most, f + ".shear_strength",
+          "is {} Pa, and layers slide at {:.4g} Pa under the highest pressure that fibres bear; take less, or raise "
+          "friction or compression_modulus",
+          m.shear_strength(), friction * most);
+  s.check(s.message.fracture().mode() == proto::Fracture::DAMAGE, f + ".shear_strength",
+          "needs fracture {{ mode: DAMAGE }}, in which cracks follow from damage; give that, or leave it out");
+  s.check(any_material_of(s.message, shell, [](const proto::Material& q) { return q.has_strength(); }),
+          f + ".shear_strength",
+          "needs a material with a strength and a fracture_energy, which '{}' has not; give it both, or leave it out",
+          shell.material());
 }
 
 void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shell) {
@@ -24,6 +51,7 @@ void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shel
           m.friction(), kMostFriction);
   s.check(!m.has_grid_spacing_m() || (std::isfinite(m.grid_spacing_m()) && m.grid_spacing_m() > 0.0),
           f + ".grid_spacing_m", "is {}; must be positive [m]", m.grid_spacing_m());
+  damage(s, f, shell);
   for (const proto::Material& q : s.message.materials()) {
     if (q.name() != shell.material()) continue;
     s.check(!q.has_stiffness_damping_s(), f,

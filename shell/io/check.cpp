@@ -115,10 +115,20 @@ std::string fracture_lines(const ShellSetup& shell) {
 
 std::string fibre_lines(const RunSetup& setup, const ShellModel& m) {
   if (!m.has_fibres()) return "";
-  return fmt::format(
+  const FibreLaw& law = m.fibres;
+  std::string out = fmt::format(
       "fibres         on a grid of {:.4g} m; half of the thickness is left under {:.3g} Pa, and it sticks up to {:.3g} "
       "times the pressure\n",
-      setup.fibre_spacing, 0.25 * m.fibres.compression, m.fibres.friction);
+      setup.fibre_spacing, 0.25 * law.compression, law.friction);
+  if (law.breaks())
+    out += fmt::format(
+        "fibre damage   from a shear stress of {:.3g} Pa, which a pressure of {:.3g} Pa holds, complete at {:.2f} "
+        "times "
+        "its shear{}\n",
+        law.shear_strength, law.shear_strength / law.friction, complete_shear(law) / law.shear_strength,
+        std::isfinite(law.crushing_strength) ? fmt::format("; or from a pressure of {:.3g} Pa", law.crushing_strength)
+                                             : std::string());
+  return out;
 }
 
 std::string size_lines(const ShellModel& m, double step) {

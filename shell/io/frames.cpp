@@ -189,9 +189,10 @@ double area_now(const ShellModel& m, const ShellState& s, const VtpMesh& mesh, c
   return area;
 }
 
-// Arrays that a frame has where some shell of it has such a thing: a thickness that varies, colours.
+// Arrays that a frame has where some shell of it has such a thing: a thickness that varies, colours, fibres that damage
+// may weaken.
 struct Varying {
-  bool thickness = false, colour = false;
+  bool thickness = false, colour = false, fibres = false;
 };
 
 // `ids` are those of the pieces of control points. `torn` are the triangles that are drawn no more; more are added.
@@ -205,7 +206,7 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
   VtpMesh mesh;
   VtpArray velocity{"velocity", 3, {}, false, "m/s"}, displacement{"displacement", 3, {}, false, "m"};
   VtpArray uv{"uv", 2, {}}, colour{"colour", 3, {}}, damage{"damage", 1, {}}, history{"c_his", 1, {}},
-      fragment{"fragment", 1, {}, true};
+      through{"fibre_damage", 1, {}}, fragment{"fragment", 1, {}, true};
   CellFields asked(m, s, fields.set, contact);
   FieldSet thickness;
   if (fields.thick) thickness.add(FieldSet::kThickness);
@@ -275,6 +276,7 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
     const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
     damage.values.push_back(s.layers.c[g]), history.values.push_back(s.layers.c_his[g]),
         fragment.values.push_back(id[t.piece[i]]);
+    if (varies.fibres) through.values.push_back(s.layers.fibre_damage(g));
     asked.add(centre), thick.add(centre), at_rest.push_back(m.thickness_at(centre));
     element.push_back(f * m.tables.spans_u + lane);
   }
@@ -282,6 +284,7 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
   if (varies.colour) mesh.point_data.push_back(std::move(colour));
   if (varies.thickness) mesh.point_data.push_back(std::move(of_points));
   mesh.cell_data = {damage, history, fragment};
+  if (varies.fibres) mesh.cell_data.push_back(std::move(through));
   for (VtpArray& a : asked.arrays()) mesh.cell_data.push_back(std::move(a));
   const double area = area_now(m, s, mesh, element);
   if (!fields.thick) return {std::move(mesh), {}, area};
@@ -354,7 +357,8 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
     std::vector<DrawnLine> lines;
     Varying varies;
     for (const ShellView& view : shells)
-      varies.thickness |= view.model->varies(), varies.colour |= static_cast<bool>(view.model->colour);
+      varies.thickness |= view.model->varies(), varies.colour |= static_cast<bool>(view.model->colour),
+          varies.fibres |= view.model->fibres.breaks();
     for (std::size_t k = 0; k < shells.size(); ++k) {
       const ContactOverTime& contact = k < fields.contact.size() ? fields.contact[k] : none;
       ShellMeshes meshes = shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact, varies,

@@ -11,12 +11,18 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kCoarsestFibres = 4.0;
+constexpr double kLeastBrittleness = 1e-9;
 constexpr double kThin = 0.05;  // thickness / width at which transverse shear adds about a hundredth to deflections
+
+// Over which damage localises [m].
+double damage_width(const proto::Scene& m, const ShellModel& s) {
+  return m.fracture().has_damage_width_m() ? m.fracture().damage_width_m() : kDamageWidth * s.spacing;
+}
 
 void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
   const proto::Scene& m = scene.message;
   const ShellModel& s = r.model;
-  const double width = m.fracture().has_damage_width_m() ? m.fracture().damage_width_m() : kDamageWidth * s.spacing;
+  const double width = damage_width(m, s);
   const double cell = s.spacing / s.tables.gauss;
   scene.check(width >= cell * (1.0 - 1e-9), "fracture.damage_width_m",
               "is {:.3g} m; damage cannot localise in less than a Gauss point's cell, {:.3g} m", width, cell);
@@ -27,7 +33,7 @@ void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
   double& h = r.fracture.damage.brittleness;
   h = brittleness(q.strength, q.youngs_modulus, q.fracture_energy, width);
   const double widest = 2.0 * q.youngs_modulus * q.fracture_energy / (q.strength * q.strength);
-  scene.check(std::isfinite(widest) && (h < 0.0 || h > 1e-9), "fracture.mode",
+  scene.check(std::isfinite(widest) && (h < 0.0 || h > kLeastBrittleness), "fracture.mode",
               "DAMAGE would be complete at {:.3g} times the strain of the strength: strength and fracture_energy do "
               "not belong together",
               1.0 / h);
@@ -83,6 +89,29 @@ void set_fibres(const scene::LoadedScene& scene, const proto::Shell& shell, cons
               "is {} m; layers meet on nodes that both reach, which takes the longest element and twice the thickness, "
               "{:.4g} m; take that, or leave it out",
               r.fibre_spacing, least);
+}
+
+// Damage of the fibres of a shell that damage weakens.
+void set_fibre_damage(const scene::LoadedScene& scene, const proto::Fibres& m, const std::string& f, ShellSetup& r) {
+  if (!m.has_shear_strength()) return;
+  FibreLaw& law = r.model.fibres;
+  const ShellMaterial& q = r.model.material;
+  const double width = damage_width(scene.message, r.model);
+  law.shear_strength = m.shear_strength();
+  if (m.has_crushing_strength()) law.crushing_strength = m.crushing_strength();
+  law.brittleness = brittleness(law.shear_strength, law.shear, q.fracture_energy, width);
+  const double widest = 2.0 * law.shear * q.fracture_energy / (law.shear_strength * law.shear_strength);
+  const double coarse = width / widest;  // factor by which the damaged zone is too wide
+  scene.check(law.brittleness > 0.0, f + ".shear_strength",
+              "is {} Pa: damage of fibres localises over {:.3g} m, which must be below 2 shear_modulus G_f / "
+              "shear_strength^2 = {:.3g} m; take a shear_strength below {:.4g} Pa, or a fracture_energy above {:.4g} "
+              "J/m^2",
+              law.shear_strength, width, widest, law.shear_strength / std::sqrt(coarse), q.fracture_energy * coarse);
+  scene.check(law.brittleness > kLeastBrittleness, f + ".shear_strength",
+              "is {} Pa: damage of fibres would be complete at {:.3g} times its shear; shear_strength and "
+              "fracture_energy do not belong together: take a shear_strength above {:.4g} Pa",
+              law.shear_strength, 1.0 / law.brittleness,
+              law.shear_strength * std::sqrt(1.01 * kLeastBrittleness / coarse));
 }
 
 }  // namespace
@@ -168,6 +197,7 @@ ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell
                 "fracture.mode", "DAMAGE needs a strength, which material '{}' has not", shell.material());
     if (m.fracture().has_healing()) r.fracture.damage.heals = m.fracture().healing();
     if (breaks) r.fracture.mode = FractureMode::kDamage, set_damage(scene, r);
+    if (breaks) set_fibre_damage(scene, shell.fibres(), field + ".fibres", r);
   } else if (mode != proto::Fracture::CUTS && breaks) {
     r.fracture.mode = FractureMode::kTips;
     set_tips(scene, r);

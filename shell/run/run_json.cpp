@@ -292,6 +292,8 @@ Json models_of(const RunParts& run) {
              "a shell's material has a strength", Stage::kCrackUpdate);
   models.add(damage, heals ? "rankine_damage" : "rankine_damage_without_healing", "fracture.mode is DAMAGE",
              Stage::kCrackUpdate);
+  models.add(state.fibres && any([](const ShellSetup& s) { return s.model.fibres.breaks(); }), "fibre_damage",
+             "fibres have a shear_strength", Stage::kFibres);
   models.add(any([](const ShellSetup& s) { return !s.model.strength_factor.empty(); }), "strength_factors",
              "strength_regions, strength_lines or a strength_map are given", Stage::kCrackUpdate);
   models.add(any([](const ShellSetup& s) { return s.model.material.yield_stress > 0.0; }), "j2_plasticity",

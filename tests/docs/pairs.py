@@ -71,6 +71,8 @@ MODELS = (
                                      'deformation { inflate {} inflate { time_s: 0.01 distance_m: 0.004 } } }'),
     ("scaled", "mass_scaling", "mass_scaling { factor: 1.01 most_added: 0.1 }"),
     ("iterated", "coupling ITERATED", BALL + " coupling { scheme: ITERATED }"),
+    ("sheared", "fibres.shear_strength", STRENGTH + ' fracture { mode: DAMAGE } shells { name: "sheet" fibres { compression_modulus: 1e5 '
+                                         'shear_modulus: 1e5 shear_strength: 2e4 } } contacts { first: "sheet" second: "sheet" }'),
 )
 
 
@@ -85,6 +87,9 @@ def scene_of(*texts: str) -> Any:
     scene = text_format.Parse(BASE, scene_class()())
     for text in texts:
         merged(scene, text_format.Parse(text, scene_class()()))
+    for k in reversed(range(len(scene.contacts))):
+        if scene.contacts[k] in scene.contacts[:k]:
+            del scene.contacts[k]
     if scene.HasField("seams") and any(shell.HasField("equilibrium") for shell in scene.shells):
         for shell in scene.shells:  # it is found for all that seams join
             shell.equilibrium.SetInParent()

@@ -303,6 +303,28 @@ class Resume(unittest.TestCase):
         self.assertIn("fibres", [m["name"] for m in run["models"]])
         self.assertNotIn("contact_between_shells", [m["name"] for m in run["models"]])
 
+    def test_torn_fibres_go_on_to_the_bit(self) -> None:
+        scene = self.here / "torn_between.textproto"  # that of the cookbook: strips tear a cloth between them
+        page = (TOP / "scenes" / "README.md").read_text()
+        begin = page.index('name: "torn_between"')
+        scene.write_text(page[begin:page.index("```", begin)])
+        whole = self.run_to("whole", "0.0094", scene=str(scene))
+        part = self.run_to("part", "0.006", scene=str(scene))  # fibres are damaged, and nothing is cut
+        self.assertEqual(json.loads((part / "run.json").read_text())["cracks"]["length_m"], 0.0)
+        self.assertGreater(json.loads((part / "run.json").read_text())["energy"]["healing"], 0.0)
+        done = sunder("run", "--resume", str(part), "--until", "0.0094", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(state(part), state(whole))
+        self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
+        run = json.loads((whole / "run.json").read_text())
+        self.assertGreaterEqual(run["cracks"]["length_m"], 0.12)  # from border to border
+        self.assertEqual(run["counts"]["fragments"], 4)  # the cloth in two, and the strips
+        self.assertLess(abs(run["energy"]["residual_relative"]), 0.01)  # of first order in the step
+        self.assertIn("fibre_damage", [m["name"] for m in run["models"]])
+        off = self.run_to("off", "0.0094", "--set", "shells[cloth].fibres.shear_strength=1.2e4",
+                          scene=str(scene))  # more than friction holds
+        self.assertEqual(json.loads((off / "run.json").read_text())["cracks"]["length_m"], 0.0)
+
     def test_fibres_on_joined_mats_go_on_to_the_bit(self) -> None:
         scene = self.here / "joined.textproto"
         low = """  plate { size_x_m: 0.24 size_y_m: 0.24 elements_x: 12 elements_y: 12 }

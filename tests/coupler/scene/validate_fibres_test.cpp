@@ -1,4 +1,7 @@
 // Fibres of a scene's shells: accepted scenes, and refusals with field and remedy.
+#include <cmath>
+
+#include "shell/mechanics/layers_weakening.h"
 #include "tests/coupler/small_scene.h"
 
 namespace {
@@ -22,6 +25,13 @@ std::string fibre_scene(const std::string& from = "", const std::string& to = ""
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return text.replace(at, from.size(), to);
+}
+
+// The same whose first pane has fibres that tear, by these fields, in a material that breaks.
+std::string torn_scene(const std::string& fields, const std::string& more = "fracture { mode: DAMAGE }\n",
+                       const std::string& material = "strength: 6e7 fracture_energy: 2000 ") {
+  std::string text = fibre_scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}", more);
+  return text.insert(text.find("friction: 0.3"), fields + " ");
 }
 
 sunder::shell::RunSetup built_with_report(const std::string& text, std::string& report) {
@@ -146,4 +156,76 @@ TEST(FibreScene, RefusesFieldsThatExcludeFibres) {
                  {"leave it out"});
   expect_refusal(fibre_scene("", "", "contacts { first: \"pane\" second: \"over\" friction: 0.2 }\n"), "contacts[0]",
                  {"their own friction"});
+}
+
+TEST(FibreDamageScene, IsAcceptedAndReported) {
+  std::string report;
+  const auto setup = built_with_report(torn_scene("shear_strength: 5e5 crushing_strength: 8e6"), report);
+  // 2 gamma G_f / (tau_f^2 l) = 4e10 / (2.5e11 0.0541)
+  EXPECT_NE(report.find("fibre damage   from a shear stress of 5e+05 Pa, which a pressure of 1.67e+06 Pa holds, "
+                        "complete at 2.96 times its shear; or from a pressure of 8e+06 Pa\n"),
+            std::string::npos)
+      << report;
+  const double width = std::sqrt(3.0) * 0.5 / 16.0;
+  const sunder::shell::FibreLaw& law = setup.shells[0].model.fibres;
+  EXPECT_TRUE(law.breaks());
+  EXPECT_EQ(law.shear_strength, 5e5);
+  EXPECT_EQ(law.crushing_strength, 8e6);
+  EXPECT_NEAR(law.brittleness, sunder::shell::brittleness(5e5, 1e7, 2000.0, width), 1e-12);
+  EXPECT_FALSE(setup.shells[1].model.fibres.breaks());  // each shell for itself
+  const auto narrow =
+      built_with_report(torn_scene("shear_strength: 5e5", "fracture { mode: DAMAGE damage_width_m: 0.05 }\n"), report);
+  EXPECT_NEAR(narrow.shells[0].model.fibres.brittleness, sunder::shell::brittleness(5e5, 1e7, 2000.0, 0.05), 1e-12);
+  EXPECT_EQ(report.find("or from a pressure"), std::string::npos) << report;
+}
+
+TEST(FibreDamageScene, IsOffUnlessAskedFor) {
+  std::string report;
+  const auto setup = built_with_report(torn_scene(""), report);
+  EXPECT_EQ(report.find("fibre damage"), std::string::npos) << report;
+  EXPECT_FALSE(setup.shells[0].model.fibres.breaks());
+  EXPECT_TRUE(sunder::shell::make_state(setup.shells[0].model, sunder::Vec3::Zero(), 0).layers.through.empty());
+}
+
+TEST(FibreDamageScene, RefusesStrengthsThatAreWrong) {
+  const std::string shear = "shells[0].fibres.shear_strength", crush = "shells[0].fibres.crushing_strength";
+  for (const char* bad : {"0", "-1", "nan", "inf"}) {
+    expect_refusal(torn_scene(fmt::format("shear_strength: {}", bad)), shear, {"must be positive"});
+    expect_refusal(torn_scene(fmt::format("shear_strength: 5e5 crushing_strength: {}", bad)), crush,
+                   {"must be positive"});
+  }
+  expect_refusal(torn_scene("crushing_strength: 8e6"), crush, {"needs a shear_strength"});
+  expect_refusal(torn_scene("shear_strength: 5e5 crushing_strength: 8.2e6"), crush, {"8.1e+06 Pa", "take less"});
+  EXPECT_EQ(refusal(torn_scene("shear_strength: 5e5 crushing_strength: 8e6")).kind, "accepted");
+  // friction holds 0.3 of the highest pressure
+  const std::string strong =
+      torn_scene("shear_strength: 3e6", "fracture { mode: DAMAGE }\n", "strength: 6e7 fracture_energy: 2e5 ");
+  expect_refusal(strong, shear, {"slide at 2.43e+06 Pa", "raise friction or compression_modulus"});
+  for (const char* remedy : {"shear_strength=2.4e6", "friction=0.4", "compression_modulus=1.5e7"})
+    EXPECT_EQ(refusal(strong, {std::string("shells[pane].fibres.") + remedy}).kind, "accepted") << remedy;
+  EXPECT_EQ(refusal(torn_scene("shear_strength: 3e6 crushing_strength: 8e6", "fracture { mode: DAMAGE }\n",
+                               "strength: 6e7 fracture_energy: 2e5 "))
+                .kind,
+            "accepted");  // pressure tears them first
+}
+
+TEST(FibreDamageScene, RefusesWhatHasNoDamage) {
+  const std::string shear = "shells[0].fibres.shear_strength";
+  for (const char* mode : {"", "fracture { mode: TIPS }\n", "fracture { mode: CUTS }\n"})
+    expect_refusal(torn_scene("shear_strength: 5e5", mode), shear, {"needs fracture { mode: DAMAGE }", "leave it out"});
+  expect_refusal(torn_scene("shear_strength: 5e5", "fracture { mode: DAMAGE }\n", ""), shear,
+                 {"needs a material with a strength", "'glass' has not"});
+}
+
+// The remedies that a refusal names are accepted.
+TEST(FibreDamageScene, RefusesASofteningThatTheGridDoesNotResolve) {
+  const std::string shear = "shells[0].fibres.shear_strength";
+  const std::string text = torn_scene("shear_strength: 1e6");
+  expect_refusal(text, shear,
+                 {"localises over 0.0541 m", "= 0.04 m", "a shear_strength below 8.597e+05 Pa",
+                  "a fracture_energy above 2706 J/m^2"});
+  EXPECT_EQ(refusal(text, {"shells[pane].fibres.shear_strength=8.59e5"}).kind, "accepted");
+  EXPECT_EQ(refusal(text, {"materials[glass].fracture_energy=2707"}).kind, "accepted");
+  expect_refusal(torn_scene("shear_strength: 1"), shear, {"do not belong together", "above 27.32 Pa"});
+  EXPECT_EQ(refusal(torn_scene("shear_strength: 27.4")).kind, "accepted");
 }

@@ -97,3 +97,19 @@ TEST(Frames, CracksThatDivideWhatIsTornDrawNothingOfIt) {
   const int divided = triangles(pane.folder + "/fresh", 0) - triangles(pane.folder, 2);
   EXPECT_GT(divided, torn);  // each of them, or more parts of it
 }
+
+TEST(Frames, HaveTheDamageOfFibresWhereTheyMayTear) {
+  for (const bool tear : {false, true}) {
+    Drawn pane;
+    pane.model.fibres = {1e6, 1e5, 0.5};
+    if (tear) pane.model.fibres.shear_strength = 1e4, pane.model.fibres.brittleness = 0.5;
+    pane.state = make_state(pane.model, Vec3::Zero(), 0);
+    FrameWriter frames(pane.folder);
+    pane.write(frames, 0.0);
+    std::ifstream file(pane.folder + "/frames/shell_000000.vtp", std::ios::binary);
+    std::stringstream all;
+    all << file.rdbuf();
+    EXPECT_EQ(all.str().find("Name=\"fibre_damage\"") != std::string::npos, tear);
+    EXPECT_NE(all.str().find("Name=\"damage\""), std::string::npos);
+  }
+}
