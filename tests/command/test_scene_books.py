@@ -34,7 +34,9 @@ class Books(unittest.TestCase):
         self.assertTrue(math.isnan(books_of(run_of(pieces=0), self.PANE)[1]))
 
     def test_no_scene_with_bodies_is_left_out(self) -> None:
-        there = {scene.name for scene in shipped() if re.search(r"^bodies\b", scene.path.read_text(), re.M)}
+        # books of the paper's scenes are checked as its figures are drawn
+        there = {scene.name for scene in shipped() if not scene.name.startswith("paper/")
+                 and re.search(r"^bodies\b", scene.path.read_text(), re.M)}
         self.assertEqual(sorted(there), sorted((*REPEATED, *(wanted.scene for wanted in SHIPPED))))
 
 
