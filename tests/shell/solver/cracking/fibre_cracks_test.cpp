@@ -56,7 +56,7 @@ TEST(FibreCracks, FibresAloneAreCutAlongTheirMiddleLine) {
   for (const CrackEdge& e : s.cracks.graph.edges())
     for (const Vec2& p : {e.a, e.b}) {
       EXPECT_NEAR(p.y(), 0.15, 0.5 * m.spacing);
-      EXPECT_GT(p.x(), 0.15 - m.spacing);
+      EXPECT_GT(p.x(), 0.15 - 2.0 * m.spacing);  // its end may go on by an edge
     }
   for (double x = 0.17; x < 0.3; x += 0.01) EXPECT_FALSE(s.cracks.graph.visible({x, 0.05}, {x, 0.25})) << x;
   EXPECT_TRUE(s.cracks.graph.visible({0.1, 0.05}, {0.1, 0.25}));
