@@ -194,9 +194,13 @@ void measure_parameters(MeshPatches& all) {
   }
 }
 
-}  // namespace
+// Area [m^2] and mean length of edges [m] of a mesh.
+struct MeshSize {
+  double area = 0.0, edge = 0.0;
+};
 
-MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
+// Measures a mesh. Throws Error where it has too many elements or parts.
+MeshSize size_of(const TriangleMesh& m, const MeshPatchRules& rules) {
   double area = 0.0, edge = 0.0;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
     area += m.area(static_cast<int>(t));
@@ -212,16 +216,12 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
       "has {} parts that share no edge, of {:.3g} triangles on the average; at most {}: join their points by weld_m, "
       "or take fewer parts into a file",
       m.components, static_cast<double>(m.triangles.size()) / m.components, kMostComponents);
-  const Creases creases =
-      without_small_parts(m, creases_of(m, rules.crease), kSmallPart * rules.element * rules.element, rules.parts);
-  ChartRules how;
-  how.parts = rules.parts;
-  how.overlap = std::max(kOverlap * rules.element, kOverlapEdges * edge);
-  const std::vector<Chart> charts = charts_of(m, creases, how);
+  return {area, edge};
+}
+
+// Throws Error where a chart is too small for an element.
+void check_small_charts(const TriangleMesh& m, const MeshPatchRules& rules, const std::vector<Chart>& charts) {
   const int count = static_cast<int>(charts.size());
-  std::vector<int> chart(m.triangles.size(), -1);
-  for (int c = 0; c < count; ++c)
-    for (const int t : charts[c].triangles) chart[t] = c;
   double smallest = 1e300;
   int small = 0, at_small = 0;
   for (int c = 0; c < count; ++c) {
@@ -236,51 +236,46 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
           "smallest of {:.3g} m^2 about ({:.4g}, {:.4g}, {:.4g}) m; give one below {:.3g} m{}",
           rules.element, small, count, smallest, place.x(), place.y(), place.z(), std::sqrt(smallest / kSmallChart),
           m.components > 1 ? ", or leave small parts out of the file" : ", or smooth the mesh");
-  MeshPatches out;
-  std::vector<ChartPatch> placed;
-  std::vector<char> whole;
-  double asked = 0.0;  // elements of all rectangles
-  for (int c = 0; c < count; ++c) {
-    const Chart& one = charts[c];
-    MeshPatch own{{KnotVector::uniform(1, 1.0), KnotVector::uniform(1, 1.0), {}, {}}, {}, 0, 0.0, 0.0, 1.0};
-    own.triangles = static_cast<int>(one.triangles.size());
-    if (!rules.parts.empty()) own.part = rules.parts[one.triangles[0]];
-    for (std::size_t k = 0; k < one.triangles.size(); ++k)
-      own.area += m.area(one.triangles[k]), own.stretch = std::max(own.stretch, one.flat.most[k]);
-    const Vec3 where = m.middle(one.triangles[0]);
-    bool may_be_whole = true;
-    const std::vector<Vec2> border = outline_of(m, one, chart, c, creases, may_be_whole);
-    const Frame frame =
-        frame_of(border, may_be_whole, rules.element, std::max(kMargin * rules.element, kMarginEdges * edge));
-    whole.push_back(frame.whole);
-    std::array<int, 2> elements{};
-    for (int d = 0; d < 2; ++d)
-      elements[d] = static_cast<int>(std::clamp(std::ceil(frame.size[d] / rules.element - 1e-9), 1.0, 1e6));
-    asked += static_cast<double>(elements[0]) * elements[1];
-    require(asked <= kMostPatchElements,
-            "element_m is {} m, and the rectangles around the charts have more than {:.0g} elements, of which the mesh "
-            "covers {:.3g}: give a longer one, or divide the surface into files",
-            rules.element, kMostPatchElements, area / (rules.element * rules.element));
-    SurfaceFit fit = fit_surface(fit_points(m, one, frame, rules.element), frame.size, elements, rules.degree);
-    ChartPatch at{std::move(fit.patch), std::vector<Vec2>(m.points.size(), Vec2::Zero())};
-    for (std::size_t k = 0; k < one.flat.points.size(); ++k) at.at[one.flat.points[k]] = fit.points[k].at;
-    for (const int t : one.triangles)
-      for (const int p : m.triangles[t])
-        own.error = std::max(own.error, (at.patch.evaluate(at.at[p]).x - m.points[p]).norm());
-    require(own.error <= kFarFromMesh * rules.element,
-            "element_m is {} m, and a patch of such elements about ({:.4g}, {:.4g}, {:.4g}) m is up to {:.3g} m away "
-            "from the mesh, more than a quarter of an element: give a shorter one, or smooth the mesh",
-            rules.element, where.x(), where.y(), where.z(), own.error);
-    if (rules.placed)
-      for (const int t : one.flat.triangles) {
-        const auto& [a, b, c] = m.triangles[t];
-        own.placed.push_back({{at.at[a], at.at[b], at.at[c]}, m.triangles[t], t});
-      }
-    own.patch = at.patch;
-    out.patches.push_back(std::move(own));
-    placed.push_back(std::move(at));
-  }
-  const ChartBorders borders = borders_of(m, creases, chart, count);
+}
+
+// Part, area, stretch and number of triangles of a chart, still without its patch.
+MeshPatch measured(const TriangleMesh& m, const Chart& one, const MeshPatchRules& rules) {
+  MeshPatch own{{KnotVector::uniform(1, 1.0), KnotVector::uniform(1, 1.0), {}, {}}, {}, 0, 0.0, 0.0, 1.0};
+  own.triangles = static_cast<int>(one.triangles.size());
+  if (!rules.parts.empty()) own.part = rules.parts[one.triangles[0]];
+  for (std::size_t k = 0; k < one.triangles.size(); ++k)
+    own.area += m.area(one.triangles[k]), own.stretch = std::max(own.stretch, one.flat.most[k]);
+  return own;
+}
+
+// Fits the patch of a chart in its rectangle of so many elements, into `own`. Throws Error where it is far from the
+// mesh.
+ChartPatch fitted(const TriangleMesh& m, const Chart& one, const Frame& frame, const std::array<int, 2>& elements,
+                  const MeshPatchRules& rules, MeshPatch& own) {
+  SurfaceFit fit = fit_surface(fit_points(m, one, frame, rules.element), frame.size, elements, rules.degree);
+  ChartPatch at{std::move(fit.patch), std::vector<Vec2>(m.points.size(), Vec2::Zero())};
+  for (std::size_t k = 0; k < one.flat.points.size(); ++k) at.at[one.flat.points[k]] = fit.points[k].at;
+  for (const int t : one.triangles)
+    for (const int p : m.triangles[t])
+      own.error = std::max(own.error, (at.patch.evaluate(at.at[p]).x - m.points[p]).norm());
+  const Vec3 where = m.middle(one.triangles[0]);
+  require(own.error <= kFarFromMesh * rules.element,
+          "element_m is {} m, and a patch of such elements about ({:.4g}, {:.4g}, {:.4g}) m is up to {:.3g} m away "
+          "from the mesh, more than a quarter of an element: give a shorter one, or smooth the mesh",
+          rules.element, where.x(), where.y(), where.z(), own.error);
+  if (rules.placed)
+    for (const int t : one.flat.triangles) {
+      const auto& [a, b, c] = m.triangles[t];
+      own.placed.push_back({{at.at[a], at.at[b], at.at[c]}, m.triangles[t], t});
+    }
+  own.patch = at.patch;
+  return at;
+}
+
+// The curves of each chain of borders on its patches; adds the seams. Throws Error where two patches are apart.
+std::vector<ChainCurves> curves_and_seams(const TriangleMesh& m, const ChartBorders& borders,
+                                          const std::vector<ChartPatch>& placed, const MeshPatchRules& rules,
+                                          MeshPatches& out) {
   std::vector<ChainCurves> curves;
   for (const BorderChain& chain : borders.chains) {
     curves.push_back(curves_of(m, chain, placed, rules.element));
@@ -294,25 +289,73 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
                            m.points[chain.points[chain.points.size() / 2]], chain.closed, curves.back().left,
                            curves.back().right});
   }
+  return curves;
+}
+
+// A loop around a patch, of the curves of its chains.
+PatchLoop loop_of(const std::vector<ChainUse>& uses, const std::vector<ChainCurves>& curves) {
+  PatchLoop loop;
+  double area_twice = 0.0;
+  for (const ChainUse& use : uses) {
+    const bool on_left = !use.reversed;
+    std::vector<PlaneCurve> own = on_left ? curves[use.chain].left : curves[use.chain].right;
+    if (!on_left) {
+      std::reverse(own.begin(), own.end());
+      for (PlaneCurve& curve : own) curve = reversed(curve);
+    }
+    for (PlaneCurve& curve : own) {
+      constexpr int kPieces = 32;
+      for (int k = 0; k < kPieces; ++k)
+        area_twice += cross(curve.at(static_cast<double>(k) / kPieces), curve.at((k + 1.0) / kPieces));
+      loop.curves.push_back(std::move(curve));
+    }
+  }
+  loop.hole = area_twice < 0.0;
+  return loop;
+}
+
+}  // namespace
+
+MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
+  const auto [area, edge] = size_of(m, rules);
+  const Creases creases =
+      without_small_parts(m, creases_of(m, rules.crease), kSmallPart * rules.element * rules.element, rules.parts);
+  ChartRules how;
+  how.parts = rules.parts;
+  how.overlap = std::max(kOverlap * rules.element, kOverlapEdges * edge);
+  const std::vector<Chart> charts = charts_of(m, creases, how);
+  const int count = static_cast<int>(charts.size());
+  std::vector<int> chart(m.triangles.size(), -1);
+  for (int c = 0; c < count; ++c)
+    for (const int t : charts[c].triangles) chart[t] = c;
+  check_small_charts(m, rules, charts);
+  MeshPatches out;
+  std::vector<ChartPatch> placed;
+  std::vector<char> whole;
+  double asked = 0.0;  // elements of all rectangles
+  for (int c = 0; c < count; ++c) {
+    MeshPatch own = measured(m, charts[c], rules);
+    bool may_be_whole = true;
+    const std::vector<Vec2> border = outline_of(m, charts[c], chart, c, creases, may_be_whole);
+    const Frame frame =
+        frame_of(border, may_be_whole, rules.element, std::max(kMargin * rules.element, kMarginEdges * edge));
+    whole.push_back(frame.whole);
+    std::array<int, 2> elements{};
+    for (int d = 0; d < 2; ++d)
+      elements[d] = static_cast<int>(std::clamp(std::ceil(frame.size[d] / rules.element - 1e-9), 1.0, 1e6));
+    asked += static_cast<double>(elements[0]) * elements[1];
+    require(asked <= kMostPatchElements,
+            "element_m is {} m, and the rectangles around the charts have more than {:.0g} elements, of which the mesh "
+            "covers {:.3g}: give a longer one, or divide the surface into files",
+            rules.element, kMostPatchElements, area / (rules.element * rules.element));
+    placed.push_back(fitted(m, charts[c], frame, elements, rules, own));
+    out.patches.push_back(std::move(own));
+  }
+  const ChartBorders borders = borders_of(m, creases, chart, count);
+  const std::vector<ChainCurves> curves = curves_and_seams(m, borders, placed, rules, out);
   for (int c = 0; c < count; ++c)
     for (const std::vector<ChainUse>& uses : borders.loops[c]) {
-      PatchLoop loop;
-      double area_twice = 0.0;
-      for (const ChainUse& use : uses) {
-        const bool on_left = !use.reversed;
-        std::vector<PlaneCurve> own = on_left ? curves[use.chain].left : curves[use.chain].right;
-        if (!on_left) {
-          std::reverse(own.begin(), own.end());
-          for (PlaneCurve& curve : own) curve = reversed(curve);
-        }
-        for (PlaneCurve& curve : own) {
-          constexpr int kPieces = 32;
-          for (int k = 0; k < kPieces; ++k)
-            area_twice += cross(curve.at(static_cast<double>(k) / kPieces), curve.at((k + 1.0) / kPieces));
-          loop.curves.push_back(std::move(curve));
-        }
-      }
-      loop.hole = area_twice < 0.0;
+      PatchLoop loop = loop_of(uses, curves);
       if (!whole[c] || loop.hole) out.patches[c].loops.push_back(std::move(loop));
     }
   measure_parameters(out);

@@ -9,9 +9,11 @@ import unittest
 from pathlib import Path
 
 from . import REPOSITORY as TOP
+from .function_lengths import of_cpp, of_python
 from .python_imports import cycle, imports, modules, of_packages
 
 MOST_LINES = 500
+MOST_IN_A_FUNCTION = 120
 MOST_IN_A_SUBJECT = 72  # characters: what `git log --oneline` shows on a line of 80
 LONGER = {"shell/fracture/constants.h": 700}  # all constants of fracture stand in one file
 SOURCES = sorted(p for room in ("shell", "rigid", "coupler") for p in (TOP / room).rglob("*") if p.suffix in (".h", ".cpp"))
@@ -187,6 +189,24 @@ class House(unittest.TestCase):
                 for p in (TOP / room).rglob("*") if p.suffix in (".h", ".cpp", ".proto", ".py", ".mjs", ".js")
                 if (n := len(p.read_text().splitlines())) > LONGER.get(name := str(p.relative_to(TOP)), MOST_LINES)]
         self.assertEqual(long, [])
+
+    def test_no_function_is_long(self) -> None:
+        found = [(path, first, length) for room in ("proto", "shell", "rigid", "coupler", "scenes", "tests")
+                 for path in (TOP / room).rglob("*") if path.suffix in (".h", ".cpp", ".py")
+                 for first, length in (of_python if path.suffix == ".py" else of_cpp)(path.read_text(encoding="utf-8"))]
+        self.assertGreater(len(found), 5000)
+        self.assertEqual([f"{path.relative_to(TOP)}:{first}: {length}" for path, first, length in found
+                          if length > MOST_IN_A_FUNCTION], [])
+
+    def test_functions_are_found_with_their_lengths(self) -> None:
+        text = ('namespace a {  // {\nstruct B : C {\n  int d() const { return 1; }\n  int e{2};\n};\nconst char* f = "}{";\n'
+                'template <class T>\nT g(T x,\n    T y) {\n  auto h = [&] {\n    return R"(})";\n  };\n  return h();\n}\n'
+                "constexpr int kTable[] = {\n    1,\n    1'000};\n}\n")
+        self.assertEqual(of_cpp(text), [(3, 1), (7, 8)])
+        self.assertEqual(of_python("class A:\n    def f(self):\n        return 1\n\n\nasync def g():\n    pass\n"), [(6, 2), (2, 2)])
+        for bad in ("void f() {\n", "}\n"):
+            with self.assertRaises(ValueError):
+                of_cpp(bad)
 
     @unittest.skipUnless((TOP / ".git").exists() and shutil.which("git"), "no repository of git")
     def test_no_subject_of_a_commit_is_long(self) -> None:
