@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/coupler/arch.h"
 #include "tests/temporary_folder.h"
@@ -37,9 +38,8 @@ materials {{ name: "jelly" density: 2500 youngs_modulus: 1e6 poisson_ratio: 0.2 
 struct SolidEnd {
   std::string failure, summary;
   std::vector<RigidBody> bodies;
-  double number(const std::string& key) const {
-    const auto at = summary.find("\"" + key + "\": ");
-    return at == std::string::npos ? std::nan("") : std::strtod(summary.c_str() + at + key.size() + 4, nullptr);
+  double number(const std::string& section, const std::string& key) const {
+    return nlohmann::json::parse(summary).at(section).at(key).get<double>();
   }
 };
 
@@ -119,10 +119,10 @@ TEST(SolidOnASheet, StandsOnTwoFeet) {
   EXPECT_GT(b.motion.position.z(), half + kTop - 2.5 * bent);
   EXPECT_LT(b.motion.position.z(), half + kTop + 5e-4);
   EXPECT_LT(tilt(b), 5e-3);
-  EXPECT_LT(e.number("linear_max"), 1e-12);
-  EXPECT_LT(e.number("angular_max"), 1e-12);
-  EXPECT_LT(std::abs(e.number("residual_relative")), 1e-3);
-  EXPECT_GT(e.number("contact"), 0.0);
+  EXPECT_LT(e.number("ledger", "linear_max"), 1e-12);
+  EXPECT_LT(e.number("ledger", "angular_max"), 1e-12);
+  EXPECT_LT(std::abs(e.number("energy", "residual_relative")), 1e-3);
+  EXPECT_GT(e.number("energy", "contact"), 0.0);
 }
 
 TEST(SolidOnASheet, LeavesASheetInItsGapAloneUntilItMeetsTheWall) {
@@ -138,13 +138,13 @@ TEST(SolidOnASheet, LeavesASheetInItsGapAloneUntilItMeetsTheWall) {
   };
   const SolidEnd still = beside(0.5, "EXACT");  // ends half way to the wall, 9 mm from it
   ASSERT_EQ(still.failure, "");
-  EXPECT_EQ(still.number("contact"), 0.0);
+  EXPECT_EQ(still.number("energy", "contact"), 0.0);
   EXPECT_NE(beside(0.5, "HULL").failure.find("inside shell 'sheet'"), std::string::npos);
   const SolidEnd met = beside(1.5, "EXACT");  // would reach 6 mm into the wall
   ASSERT_EQ(met.failure, "");
-  EXPECT_GT(met.number("contact"), 0.0);
-  EXPECT_LT(met.number("linear_max"), 1e-12);
-  EXPECT_LT(std::abs(met.number("residual_relative")), 1e-3);
+  EXPECT_GT(met.number("energy", "contact"), 0.0);
+  EXPECT_LT(met.number("ledger", "linear_max"), 1e-12);
+  EXPECT_LT(std::abs(met.number("energy", "residual_relative")), 1e-3);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/validation/cases.h"
 
@@ -102,8 +103,9 @@ Watched run_coupled(const Coupled& c, const Tamper& tamper) {
   const double plate = kDensity * kThickness * kSide * kSide;
   w.start_energy = c.hold == Hold::kFree ? 0.5 * c.ratio * plate * thrown(c) * thrown(c) : first_energy(c);
   w.hardest = end.hardest, w.exported = end.exported;
-  const auto at = end.summary.find("\"linear_max\": ");
-  if (at != std::string::npos) w.ledger = std::strtod(end.summary.c_str() + at + 14, nullptr);
+  if (!end.summary.empty())  // of a run that did not begin
+    if (const auto found = nlohmann::json::parse(end.summary).at("ledger").at("linear_max"); found.is_number())
+      w.ledger = found.get<double>();
   w.seconds = seconds_now() - begin;
   return w;
 }
