@@ -74,7 +74,8 @@ FILES = (
     PublicFile("boxes", "gmsh-doc", GMSH + "step_boundary_colors.stp.gz", 6),
     PublicFile("screw", "netgen-doc", NETGEN + "screw.step", 10),
     PublicFile("inductor", "freecad-common", FREECAD + "EPL22_6_16.stp", 36),
-    PublicFile("capacitor", "freecad-common", FREECAD + "1210_SMD.stp", 16, element=5e-5),  # strips of 0.1 mm
+    PublicFile("capacitor", "freecad-common", FREECAD + "1210_SMD.stp", 16, element=5e-5,  # strips of 0.1 mm
+               struck=(5, 6, 7, 8, 9)),  # an end cap; along the creases of all trimmed faces each substep solves one dense system
     PublicFile("coil_iges", "freecad-common", FREECAD + "RLF_12545.igs", 47, seams="seams { tolerance_m: 1.5e-5 }",
                struck=tuple(range(10, 37)), thickness=5e-6),  # its faces have gaps of 10 micrometres
     PublicFile("hinge", "netgen-doc", NETGEN + "hinge.stl", 18, unit=1e-3, tolerance=0.02),
