@@ -235,6 +235,8 @@ EXPERIMENTS = {"shells": (
 ), "surfaces": (
     Experiment("models", "mass of the shells of meshes of scenes against the sum over their triangles",
                _later("mesh_models", "mesh_models")),
+    Experiment("mesh_files", "files of a sphere of quads and of a tube: area, mass, frequencies, order (Lamb 1882, Love 1888)",
+               _later("mesh_files", "mesh_files")),
     Experiment("mutated", "forty thousand mutated meshes, two hundred mutated CAD files: read or refused, no crash",
                _later("mutated", "mutated")),
     Experiment("mutated_million", "the same of a million files", _later("mutated", "mutated_million"), by_name=True),
