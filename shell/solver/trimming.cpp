@@ -10,6 +10,7 @@
 #include "coupler/core/error.h"
 #include "shell/fracture/constants.h"
 #include "shell/geometry/seams.h"
+#include "shell/mechanics/point_packs.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
@@ -281,6 +282,7 @@ void find_points(ShellModel& m) {
         g.area = t.metric[t.at(q, kMetricFields, kArea, e)];
         g.functions = shell_functions(m, at.parameter);
         thicken(g.functions, t.thickness_factor(q, e));
+        round_to_units(g.functions);  // packs of 32 bits hold them
         const Forms<double> rest = surface_forms(gather(t, g, m.rest));
         g.metric = {rest.a, rest.b};
         int low_u = t.columns, high_u = 0, low_v = t.rows, high_v = 0;

@@ -8,6 +8,7 @@
 
 #include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
+#include "shell/mechanics/point_packs.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/parting/handoff.h"
@@ -164,6 +165,29 @@ TEST(Trimming, CutsThatEndOnLoopsPartThePlate) {
       s.motion.x[2 * static_cast<std::size_t>(m.tables.component_stride) + m.tables.slot(i)] += 0.1;
   compute_forces(m, s, false, 0.0, 1);
   EXPECT_LT(most_force(s), 1e-9 * 2e11 * kThickness * m.spacing);
+}
+
+// Functions beside a loop are those of packs of 32 bits, which move half of the memory; rounding keeps their sums.
+TEST(Trimming, PointsBesideALoopAreInNarrowPacks) {
+  for (const int degree : {2, 3}) {
+    const ShellModel m = trimmed(washer(), degree);
+    int packs = 0;
+    for (std::size_t chunk = 0; chunk < kPointChunks; ++chunk) {
+      PointPacks own;
+      own.update(m.tables, m.trim.points, chunk);
+      own.each([&](const PointPack& p, const PointPack*) {
+        ++packs;
+        EXPECT_TRUE(p.wide.empty());
+      });
+    }
+    EXPECT_GT(packs, 20);
+    for (const GatheredPoint& g : m.trim.points)
+      for (int k = 1; k < 6; ++k) {
+        double sum = 0.0;
+        for (const GatheredFunction& f : g.functions) sum += f.n[k];
+        EXPECT_EQ(sum, 0.0);
+      }
+  }
 }
 
 // What a loop along the patch's own edges leaves is the patch: to the bit, and with no point that is summed by itself.
