@@ -10,6 +10,7 @@ namespace sunder::validation {
 struct Row {
   std::string name;
   double computed = 0.0, reference = 0.0, error = 0.0, tolerance = 0.0, seconds = 0.0;
+  std::string note{};                               // said beside it in a report
   bool pass() const { return error <= tolerance; }  // NaN fails
 };
 
@@ -26,7 +27,11 @@ struct Report {
   std::vector<std::string> lines;  // text that does not fit a table of one number per row
 
   /// Adds a row. Its error is relative, or absolute where the reference is zero.
-  void add(const std::string& name, double computed, double reference, double tolerance, double seconds);
+  void add(const std::string& name, double computed, double reference, double tolerance, double seconds,
+           const std::string& note = {});
+  /// Adds the row NAME_below_0.8 of a stable step over one that cracks and trims may shorten to 0.8 of it, and the row
+  /// NAME_ratio of the ratio itself. Where it is above one it counts as one, and the note has it.
+  void add_step(const std::string& name, double ratio, double seconds, const std::string& note = {});
 };
 
 struct Case {

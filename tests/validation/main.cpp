@@ -16,13 +16,20 @@
 
 namespace sunder::validation {
 
-void Report::add(const std::string& name, double computed, double reference, double tolerance, double seconds) {
+void Report::add(const std::string& name, double computed, double reference, double tolerance, double seconds,
+                 const std::string& note) {
   const double error = reference != 0.0 ? std::abs(computed / reference - 1.0) : std::abs(computed);
-  rows.push_back({name, computed, reference, error, tolerance, seconds});
+  rows.push_back({name, computed, reference, error, tolerance, seconds, note});
   const Row& r = rows.back();
   fmt::print("{:<34} {:>13.6g} {:>13.6g} {:>10.2e} {:>9.1e} {:>8.1f}  {}\n", r.name, r.computed, r.reference, r.error,
              r.tolerance, r.seconds, r.pass() ? "ok" : "FAILED");
+  if (!note.empty()) fmt::print("  {}\n", note);
   std::cout.flush();
+}
+
+void Report::add_step(const std::string& name, double ratio, double seconds, const std::string& note) {
+  add(name + "_below_0.8", above_zero(0.8 - ratio), 0.0, 0.0, seconds);
+  add(name + "_ratio", std::min(ratio, 1.0), 1.0, 0.2, 0.0, fmt::format("ratio {:.3f}{}", ratio, note));
 }
 
 }  // namespace sunder::validation
@@ -79,7 +86,7 @@ using Json = nlohmann::ordered_json;
 // finite becomes null.
 std::string json_of(const Report& report, const Json& ran, const std::vector<std::string>& left) {
   Json cases = Json::array(), curves = Json::array();
-  for (const Row& r : report.rows)
+  for (const Row& r : report.rows) {
     cases.push_back({{"name", r.name},
                      {"computed", r.computed},
                      {"reference", r.reference},
@@ -87,6 +94,8 @@ std::string json_of(const Report& report, const Json& ran, const std::vector<std
                      {"tolerance", r.tolerance},
                      {"pass", r.pass()},
                      {"seconds", std::round(1e3 * r.seconds) / 1e3}});
+    if (!r.note.empty()) cases.back()["note"] = r.note;
+  }
   for (const Curve& c : report.curves)
     curves.push_back({{"name", c.name},
                       {"x_label", c.x_label},

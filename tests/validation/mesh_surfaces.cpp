@@ -144,8 +144,7 @@ void mesh_plate(Report& r, int threads, int divided) {
         seconds_now() - start);
   add_frequencies(r, name, system, whole, 0.1 * slow, kFree);
   const double step = step_of(tied, threads) / step_of(alike, threads);
-  r.add(name + "_step_below_0.8", above_zero(0.8 - step), 0.0, 0.0, 0.0);
-  r.lines.push_back(fmt::format("{}: stable step {:.3f} of one chart's", name, step));
+  r.add_step(name + "_step", step, 0.0, " of one chart's");
 }
 
 // Order of the differences between three spacings, each finer than the one before by the root of two, of the mean of
@@ -161,9 +160,9 @@ void add_order(Report& r, const std::string& name, double held, const std::funct
     for (const double f : system.frequencies(held, kFree)) mean[k] += f / kTiedModes;
   }
   const double order = 2.0 * std::log2(std::abs((mean[0] - mean[1]) / (mean[1] - mean[2])));
-  r.add(name + "_order_below_1.75", above_zero(1.75 - order), 0.0, 0.0, 0.0);
-  r.lines.push_back(fmt::format("{}: mean of {} frequencies {:.7g}, {:.7g}, {:.7g} Hz, order {:.2f}", name, kTiedModes,
-                                mean[0], mean[1], mean[2], order));
+  r.add(name + "_order_below_1.75", above_zero(1.75 - order), 0.0, 0.0, 0.0,
+        fmt::format("order {:.2f}: mean of {} frequencies {:.7g}, {:.7g}, {:.7g} Hz", order, kTiedModes, mean[0],
+                    mean[1], mean[2]));
 }
 
 // A tube with free ends: modes without stretch, the same all along or growing from the middle (Rayleigh; Love 1888).

@@ -87,8 +87,7 @@ void tied_plate(Report& r, int threads, double degrees, int degree) {
   const double least =
       std::min(step_of(whole_plate(kElements, degree), threads), step_of(whole_plate(like_right, degree), threads));
   const double step = step_of(pieces, threads) / least;
-  r.add(name + "_step_below_0.8", above_zero(0.8 - step), 0.0, 0.0, 0.0);
-  r.lines.push_back(fmt::format("{}: stable step {:.3f} of the smaller of both whole plates'", name, step));
+  r.add_step(name + "_step", step, 0.0, " of the smaller of both whole plates'");
 }
 
 // The roof of Scordelis and Lo (1964): diaphragms hold its ends, its weight bends it. `divided`: in two pieces along a
@@ -154,8 +153,7 @@ void tied_roof(Report& r, int threads) {
   add_frequencies(r, "tied_roof", tied, whole, 1e-2, 1);
   const double least = std::min(step_of(roof(false, kElements), threads), step_of(roof(false, kElements + 5), threads));
   const double step = step_of(pieces, threads) / least;
-  r.add("tied_roof_step_below_0.8", above_zero(0.8 - step), 0.0, 0.0, 0.0);
-  r.lines.push_back(fmt::format("tied_roof: stable step {:.3f} of the whole roofs'", step));
+  r.add_step("tied_roof_step", step, 0.0, " of the whole roofs'");
 }
 
 }  // namespace
