@@ -58,8 +58,6 @@ void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shel
             "exclude stiffness_damping_s, which material '{}' has; take mass_damping_per_s, or leave one of them out",
             q.name());
   }
-  s.check(!shell.has_equilibrium(), at + ".equilibrium",
-          "is for a shell alone, and this one has fibres, which carry the pressure of others; leave one of them out");
   bool others = s.message.shells_size() > 1;  // a shell with fibres to touch: another one, or itself by a contact pair
   if (others) {
     int count = 0;

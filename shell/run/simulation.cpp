@@ -1,7 +1,9 @@
 #include "shell/run/simulation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "coupler/core/error.h"
 #include "shell/io/build_seams.h"
@@ -177,6 +179,19 @@ void Simulation::find_equilibria(int step, const std::function<void()>& look) {
     if (part.setup->equilibrium > 0.0 && !part.setup->load_factors.empty()) part.state->motion.time = step + 1.0;
   for (const std::vector<int>& group : joined_groups(setup_))
     if (state.shells[group[0]].setup->equilibrium > 0.0) find_equilibrium(group, look);
+  require_layers_apart();
+}
+
+void Simulation::require_layers_apart() {
+  const bool any = std::any_of(state.shells.begin(), state.shells.end(),
+                               [](const ShellPart& part) { return part.setup->equilibrium > 0.0; });
+  if (!any || !state.fibres) return;
+  const std::optional<Fibres::Overlap> found = state.fibres->overlap(refs());
+  if (!found) return;
+  throw Error(Exit::kPhysics, "equilibrium",
+              fmt::format("shell '{}' overlaps a layer with fibres at ({:.4g}, {:.4g}, {:.4g}) m in equilibrium, which "
+                          "is found without fibres: move them apart, lower the load, or leave equilibrium out",
+                          state.shells[found->shell].model().name, found->x.x(), found->x.y(), found->x.z()));
 }
 
 Vec3 Simulation::gravity_on(const ShellPart& part) const {
@@ -194,6 +209,7 @@ void Simulation::start_shells(const std::function<void()>& look) {
     for (const int k : group)
       state.shells[k].state->book = {};  // plastic work on the way to equilibrium does not belong to the run
   }
+  require_layers_apart();
   std::vector<char> as_if_free;
   std::vector<double> alone;  // stable steps without fibres
   const auto with_fibres = [&](const ShellModel& m, double step) {

@@ -165,6 +165,9 @@ class Simulation {
  private:
   void make_state_of(ShellPart& part) const;
   void find_equilibrium(const std::vector<int>& group, const std::function<void()>& look);
+  /// An equilibrium is found without fibres. Throws Error (equilibrium) where layers overlap in it, so that fibres
+  /// would have borne something.
+  void require_layers_apart();
   double soft_substeps(double needed) const;
   void share_kick(double share);
   RunSetup& setup_;

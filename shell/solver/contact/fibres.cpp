@@ -17,6 +17,10 @@ constexpr double kUneven = 1.19;  // largest x (2 - x)^2 = 32/27: stiffness of a
 // largest (dw/dx)^2 of a patch over its lumped mean square [1/element^2]; 12 at a corner of two free edges. Functions
 // beside cracks stay below it (test Fibres.LeanNoFasterBesideCracksThanTheStepAllows).
 constexpr double kSlope = 16.0;
+// Least share of a fibre that touches, for layers that overlap. The support of a node is 3 spacings wide and 4.2 across
+// its corners, so samples of one flat sheet that are more than kOneSurface apart count there as two surfaces; their
+// weights, at most (0.17^2 / 2)^2, give shares of some 2e-4.
+constexpr double kLeastOverlap = 1e-3;
 
 std::vector<char> with_fibres(const std::vector<const ShellModel*>& shells) {
   std::vector<char> out;
@@ -228,6 +232,18 @@ void Fibres::advance(const std::vector<ShellRef>& shells, double dt) {
   const std::size_t now = changes(shells);
   if (age_++ % kContactRefresh == 0 || now != changes_) refresh(shells, dt), age_ = 1, changes_ = now;
   find_forces(shells, dt);
+}
+
+std::optional<Fibres::Overlap> Fibres::overlap(const std::vector<ShellRef>& shells) {
+  refresh(shells, 0.0);
+  look(shells);
+  std::optional<Overlap> out;
+  double most = kLeastOverlap;
+  if (grid_.find(samples_))
+    for (const LayerSample& q : samples_)
+      if (const double share = std::max(q.share[0], q.share[1]); share > most) most = share, out = {q.shell, q.x};
+  forget();
+  return out;
 }
 
 void Fibres::add_forces(const std::vector<ShellRef>& shells) {

@@ -2,6 +2,8 @@
 // Shear and compression through the thickness of shells that touch one another, or themselves. These are the paper's
 // type-III particles, one on either side of each Gauss point. Beside a crack they have the functions of their Gauss
 // point. They keep layers apart and hold them by friction, in place of solver/contact/shell_contact.h.
+#include <optional>
+
 #include "shell/contact/fibre_grid.h"
 #include "shell/solver/contact/near_tiles.h"
 
@@ -22,6 +24,14 @@ class Fibres {
   void add_forces(const std::vector<ShellRef>& shells);
   /// Returns the stored energy [J]; valid after `add_forces`.
   double energy() const { return energy_; }
+  /// The place where layers that are not one surface overlap most, or are nearer than the grid tells apart.
+  struct Overlap {
+    int shell;
+    Vec3 x;  // [m]
+  };
+  /// Returns that place, or nothing where all layers are apart: fibres then bear nothing, whatever the shells do.
+  /// Changes nothing.
+  std::optional<Overlap> overlap(const std::vector<ShellRef>& shells);
   /// Makes the next call look up candidates again and compute forces before they are used.
   void forget() { age_ = 0, known_ = false; }
   int candidates() const { return static_cast<int>(samples_.size()); }

@@ -1,8 +1,10 @@
 // How a simulation starts: what it measures, and what it refuses.
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -99,6 +101,63 @@ TEST(Simulation, RefusesAShellThatCannotMoveAndABodyThatWouldPassThrough) {
   EXPECT_EQ(refusal(shot), "");
   shot.bodies[0].motion.velocity.z() = -1e5;
   EXPECT_TRUE(says(refusal(shot), "body 'bullet' moves"));
+}
+
+// A sheet sags in equilibrium, by 4 mm at the middle, towards another one with fibres.
+TEST(Simulation, RefusesAnEquilibriumInWhichLayersWithFibresOverlap) {
+  const auto sagging = [](double gap, bool fibres, double gravity) {
+    Support held;
+    held.edges = kUMin | kUMax | kVMin | kVMax;
+    ShellMaterial m;
+    m.density = 1000, m.youngs_modulus = 1e7, m.poisson_ratio = 0.3;
+    RunSetup out;
+    for (const double z : {0.0, -gap}) {
+      ShellSetup s{make_shell(z == 0.0 ? "upper" : "lower", plate(0.2, 0.2, 8, 8, Vec3(0, 0, z), Quat::Identity()),
+                              0.004, m, 2, 2, {held})};
+      if (fibres) s.model.fibres = {1e5, 1e5, 0.5};
+      s.equilibrium = z == 0.0 ? 1e-8 : 0.0;
+      out.shells.push_back(std::move(s));
+    }
+    out.gravity = Vec3(0, 0, -gravity);
+    out.fibre_spacing = fibres ? 0.03 : 0.0;
+    out.window = out.tick = 1e-2;
+    return out;
+  };
+  RunSetup alone = sagging(1.0, true, 9.81);
+  Simulation still(alone, 1);
+  still.prepare();
+  still.start_shells([] {});
+  const ShellState& upper = *still.state.shells[0].state;
+  double sag = 0.0;
+  for (int i = 0; i < alone.shells[0].model.control_points(); ++i)
+    sag = std::max(sag, -upper.position(alone.shells[0].model.tables.slot(i)).z());
+  EXPECT_GT(sag, 1e-3);
+  const std::string said = refusal(sagging(0.004 + 0.5 * sag, true, 9.81));
+  EXPECT_TRUE(says(said, "overlaps a layer with fibres at (") && says(said, "lower the load")) << said;
+  EXPECT_TRUE(says(said, "shell 'upper'") || says(said, "shell 'lower'")) << said;
+  EXPECT_EQ(refusal(sagging(0.004 + 0.5 * sag, false, 9.81)), "");  // without fibres nothing is left out
+  EXPECT_EQ(refusal(sagging(0.004 + 0.5 * sag, true, 0.981)), "");  // the first remedy: a lower load
+  EXPECT_EQ(refusal(sagging(0.004 + 1.5 * sag, true, 9.81)), "");   // and the other: farther apart
+}
+
+// The fibres of layers that are apart bear nothing, so the equilibrium is that without them, to the last bit.
+TEST(Simulation, FindsTheSameEquilibriumWithFibres) {
+  const auto positions = [](bool fibres) {
+    Support held;
+    held.edges = kUMin | kVMax;
+    RunSetup setup = pane();
+    setup.shells[0].model =
+        make_shell("p", plate(0.2, 0.2, 8, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {held});
+    setup.shells[0].equilibrium = 1e-8, setup.gravity = Vec3(0, 0, -9.81);
+    if (fibres) setup.shells[0].model.fibres = {1e5, 1e5, 0.5}, setup.fibre_spacing = 0.03;
+    Simulation simulation(setup, 1);
+    simulation.prepare();
+    simulation.start_shells([] {});
+    EXPECT_EQ(simulation.state.fibres != nullptr, fibres);
+    return std::vector<double>(simulation.state.shells[0].state->motion.x.begin(),
+                               simulation.state.shells[0].state->motion.x.end());
+  };
+  EXPECT_EQ(positions(true), positions(false));
 }
 
 // Within kFiniteInterval substeps of a window of a hundred: where it is, in which shell, and when.

@@ -351,3 +351,20 @@ TEST(Fibres, ASheetFoldedOnItselfDoesNotPassThrough) {
     EXPECT_GT(nearest, 0.1 * 0.01) << speed;  // and stayed on their sides
   }
 }
+
+// Below one thickness of 0.01 m between their middles, and above it.
+TEST(Fibres, SayWhereLayersOverlapAndChangeNothing) {
+  for (const double gap : {0.0099, 0.0101}) {
+    Pile l({{sheet(0.5, 10, Vec3::Zero()), kLaw}, {sheet(0.2, 9, Vec3(0.1, 0.05, gap)), kLaw}}, 0.06);
+    const std::vector<double> before = l.state(0).layers.fibres;
+    const auto found = l.fibres().overlap(l.refs());
+    EXPECT_EQ(found.has_value(), gap < 0.01) << gap;
+    EXPECT_EQ(l.state(0).layers.fibres, before);
+    EXPECT_EQ(felt(l).sum, 0.0);  // fibres start at their length at rest
+    EXPECT_EQ(l.contact(), 0.0);
+    if (!found) continue;
+    EXPECT_NEAR(found->x.z(), 0.5 * gap, 0.51 * gap);         // on one of the two
+    EXPECT_LE(std::abs(found->x.x() - 0.1), 0.1 + 2 * 0.06);  // where the smaller one is, within the reach of a node
+    EXPECT_LE(std::abs(found->x.y() - 0.05), 0.1 + 2 * 0.06);
+  }
+}
