@@ -8,6 +8,18 @@
 
 namespace sunder::scene {
 
+/// What trims exclude, and why. A loop leaves some control points with a small part of their mass (kLeastMass).
+inline constexpr const char* kTrimsAndFibres =
+    "fibres, whose stable step is derived for control points of their whole mass, of which a loop leaves some a small "
+    "part";
+inline constexpr const char* kTrimsAndDamage =
+    "fracture.mode DAMAGE, which draws cracks on the lattice of all Gauss points of a patch: cells beyond a loop would "
+    "count "
+    "as sound, and cracks would run along the loop";
+inline constexpr const char* kTrimsAndGrid =
+    "a transfer through the grid, which moves each control point by its mass: a loop leaves some without, which follow "
+    "others";
+
 /// A number that must be given and be above 0; `unit` is for the message.
 inline void positive(const LoadedScene& s, const std::string& field, bool has, double value, const char* unit) {
   s.check(has, field, "is missing; give a positive number [{}]", unit);

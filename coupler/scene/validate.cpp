@@ -221,8 +221,10 @@ void interlayer(const Scene& s, const std::string& f, const proto::Shell& shell)
     remembers = remembers || (m.name() == shell.material() && m.has_yield_stress());
   s.check(!remembers || shell.layers() <= kMostOfPly, f + ".layers",
           "is {} in each of two plies that yield or are damaged; at most {}", shell.layers(), kMostOfPly);
-  s.check(shell.bending() == proto::Shell::LAYERED && !shell.has_surface_compression(), f + ".interlayer",
-          "excludes bending LINEAR and surface_compression; leave one of them out");
+  s.check(
+      shell.bending() == proto::Shell::LAYERED && !shell.has_surface_compression(), f + ".interlayer",
+      "excludes bending LINEAR and surface_compression, which are laws of one undivided thickness, not of two plies "
+      "and a film; leave one of them out");
 }
 
 void shell(const Scene& s, const std::string& f, const proto::Shell& shell, const std::set<std::string>& materials) {

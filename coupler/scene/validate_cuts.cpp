@@ -96,11 +96,11 @@ void validate_cuts(const LoadedScene& s, const std::string& f, const proto::Shel
   if (shell.trims_size() == 0) return;
   for (int i = 0; i < shell.trims_size(); ++i) trim(s, fmt::format("{}.trims[{}]", f, i), shell.trims(i));
   const std::string trims = f + ".trims";
-  s.check(!shell.has_fibres(), trims, "cannot go with fibres; leave one of them out");
+  s.check(!shell.has_fibres(), trims, "cannot go with {}; leave one of them out", kTrimsAndFibres);
   s.check(s.message.fracture().mode() != proto::Fracture::DAMAGE, trims,
-          "cannot go with fracture.mode DAMAGE; take TIPS, or leave them out");
-  s.check(s.message.transfer().kind() == proto::GridTransfer::DIRECT, trims,
-          "cannot go with a transfer through the grid; leave one of them out");
+          "cannot go with {}; take TIPS, or leave them out", kTrimsAndDamage);
+  s.check(s.message.transfer().kind() == proto::GridTransfer::DIRECT, trims, "cannot go with {}; leave one of them out",
+          kTrimsAndGrid);
 }
 
 }  // namespace sunder::scene

@@ -236,7 +236,10 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     for (const Vec3& x : s.model.patch.control_points) box.extend(x);
     largest = std::max(largest, box.diagonal().norm());
     whole.push_back(whole_edges(s.model));
-    scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
+    scene.check(
+        s.transfer.kind == Transfer::kDirect, "transfer",
+        "cannot go with seams: the grid gives each control point a velocity of its own, and those that a seam ties "
+        "move together; leave one of them out");
   }
   std::vector<std::vector<Join>> join(patches.size(), std::vector<Join>(patches.size(), Join::kClamped));
   const std::vector<std::vector<char>> meet = may_meet(scene, parts, files);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "coupler/scene/checks.h"
 #include "shell/fracture/constants.h"
 #include "shell/geometry/builders.h"
 #include "shell/io/cad_file.h"
@@ -193,9 +194,9 @@ void check_with_loops(const scene::LoadedScene& scene, const proto::Shell& s, co
                 "'{}': the {} is trimmed, which cannot go with {}; leave that out",
                 s.has_mesh() ? s.mesh().path() : s.cad().path(), s.has_mesh() ? "surface" : "face", what);
   };
-  go(!s.has_fibres(), "fibres");
-  go(scene.message.fracture().mode() != proto::Fracture::DAMAGE, "fracture.mode DAMAGE");
-  go(scene.message.transfer().kind() == proto::GridTransfer::DIRECT, "a transfer through the grid");
+  go(!s.has_fibres(), scene::kTrimsAndFibres);
+  go(scene.message.fracture().mode() != proto::Fracture::DAMAGE, scene::kTrimsAndDamage);
+  go(scene.message.transfer().kind() == proto::GridTransfer::DIRECT, scene::kTrimsAndGrid);
 }
 
 }  // namespace

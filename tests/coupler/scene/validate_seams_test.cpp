@@ -36,7 +36,7 @@ TEST(SceneSeams, WithFieldsForSingleShellsAreRefused) {
                  {"is given, and shell 'pane', which a seam joins to 'wing', has none; give it to both"});
   const char* grown = "loads { pressure: -10 factor { time_s: 0 value: 0 } factor { time_s: 0.1 value: 1 } }";
   EXPECT_EQ(refusal(two_plates("seams {}", grown, 0.5)).kind, "accepted");
-  expect_refusal(two_plates("seams {} transfer { kind: FLIP }"), "transfer", {"cannot go with seams"});
+  expect_refusal(two_plates("seams {} transfer { kind: FLIP }"), "transfer", {"cannot go with seams", "move together"});
 }
 
 // A cut on a seam opens it. A cut on a clamped edge runs just inside. The other three sides of the rectangle are one
