@@ -10,12 +10,9 @@ namespace sunder::scene {
 
 /// What trims exclude, and why. A loop leaves some control points with a small part of their mass (kLeastMass).
 inline constexpr const char* kTrimsAndFibres =
-    "fibres, whose stable step is derived for control points of their whole mass, of which a loop leaves some a small "
-    "part";
+    "fibres, whose stable step needs control points of whole mass, and a loop leaves some little";
 inline constexpr const char* kTrimsAndDamage =
-    "fracture.mode DAMAGE, which draws cracks on the lattice of all Gauss points of a patch: cells beyond a loop would "
-    "count "
-    "as sound, and cracks would run along the loop";
+    "fracture.mode DAMAGE, which would take cells beyond a loop as sound, so that cracks run along it";
 inline constexpr const char* kTrimsAndGrid =
     "a transfer through the grid, which moves each control point by its mass: a loop leaves some without, which follow "
     "others";

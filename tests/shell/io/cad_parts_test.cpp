@@ -223,10 +223,9 @@ TEST_F(CadParts, TrimmedFacesExcludeFibres) {
   };
   const std::string fibres = "fibres { compression_modulus: 1e5 shear_modulus: 1e5";
   const std::string contacts = "contacts { first: 'pane' second: 'pane' }";
-  EXPECT_SAYS(
-      refused("", fibres, contacts),
-      "shells[0].cad.path: 'a.stp': the face is trimmed, which cannot go with fibres, whose stable step is derived "
-      "for control points of their whole mass, of which a loop leaves some a small part; leave that out");
+  EXPECT_SAYS(refused("", fibres, contacts),
+              "shells[0].cad.path: 'a.stp': the face is trimmed, which cannot go with fibres, whose stable step needs "
+              "control points of whole mass, and a loop leaves some little; leave that out");
   EXPECT_EQ(refused("face: 0", fibres, contacts), "accepted");  // the wall alone, of several parts
   EXPECT_EQ(refused("face: 0", "equilibrium {", ""), "accepted");
 }
