@@ -75,8 +75,10 @@ BENCH_GOALS: dict[str, Goal] = {
 RUNS_GOALS: dict[str, Goal] = {
     "glass_processor_s": Goal(120.0, 380.0, "s of processor"),  # STOOD, at 190 s of both cores
     "glass_contact_sheet_s": Goal(3.0, 24.0, "s of processor"),  # STOOD, at 13 to 24
-    # a picture of the sheet takes as long, and it has six panels and three views; STOOD, at 331 s for 81
-    "glass_film_s_a_picture": Goal(3.0 / 9.0, 331.0 / 81.0, "s of processor"),
+    # a picture of the sheet takes as long, and it has six panels and three views; limit: NEAR, of 63 s for 81
+    "glass_film_s_a_picture": Goal(3.0 / 9.0, NEAR * 63.0 / 81.0, "s of processor"),
+    # limit: half of the share that it had when pictures were copied from process to process
+    "glass_film_system_share": Goal(0.10, 0.25, "of the film's processor time"),
     "glass_fracture_share": Goal(0.10, 0.51, "of the windows"),  # STOOD, at 0.02 to 0.51 over the shipped scenes
     "pressed_plate_fracture_share": Goal(0.10, 0.51, "of the windows"),
     "glass_ms_per_edge": Goal(0.15, 3.0, "ms"),  # STOOD, at 0.5 to 3

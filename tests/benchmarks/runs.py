@@ -38,8 +38,7 @@ def measure_runs(executables: Executables) -> dict[str, float]:
                 write_contact_sheet(folder)
                 sheet = _processor_s() - before
                 numbers |= {"glass_processor_s": read_usage(folder).get("processor_s", math.nan) + sheet,
-                            "glass_contact_sheet_s": sheet,
-                            "glass_film_s_a_picture": film_s_a_picture(folder)}
+                            "glass_contact_sheet_s": sheet} | of_film("glass", folder)
             if name == CAR:
                 numbers[f"{name}_shell_contact_share"] = run["time"]["stage_s"].get("shell_contact", 0.0) / run["time"]["wall_s"]
     return numbers
@@ -53,16 +52,25 @@ def of_cracks(name: str, run: dict[str, Any], edges: int) -> dict[str, float]:
             f"{name}_ms_per_edge": 1e3 * grew["crack_update_s"] / edges if edges > 0 else math.nan}
 
 
-def film_s_a_picture(folder: Path) -> float:
-    """Processor time for each picture of a film of the run's first frames, at 720p and with its encoding [s]."""
+def of_film(name: str, folder: Path) -> dict[str, float]:
+    """Processor time for each picture of a film of the run's first frames, at 720p and with its encoding [s], and the system's
+    share of it."""
     count = min(FILM_PICTURES, len(list_frames(folder)))
-    before = _processor_s()
+    before, system_before = _processor_s(), _system_s()
     with contextlib.redirect_stdout(io.StringIO()):
         render(folder, folder / "film.mp4", True, False, f"0-{count - 1}", Shot(), None, os.cpu_count() or 1)
-    return (_processor_s() - before) / count
+    used = _processor_s() - before
+    return {f"{name}_film_s_a_picture": used / count, f"{name}_film_system_share": (_system_s() - system_before) / used}
+
+
+def _usage() -> list[resource.struct_rusage]:
+    """Of this process and of children that have ended."""
+    return [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
 
 
 def _processor_s() -> float:
-    """Processor time of this process and of children that have ended [s]."""
-    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(each.ru_utime + each.ru_stime for each in used)
+    return sum(each.ru_utime + each.ru_stime for each in _usage())
+
+
+def _system_s() -> float:
+    return sum(each.ru_stime for each in _usage())

@@ -37,7 +37,8 @@ class Runs(unittest.TestCase):
         asked: list[str] = []
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()), \
                 mock.patch.multiple(runs, kept_run=kept, read_run=lambda path: run_json(), last_graph=lambda path: [0] * 400,
-                                    write_contact_sheet=lambda path: path, film_s_a_picture=lambda path: 0.3,
+                                    write_contact_sheet=lambda path: path,
+                                    of_film=lambda name, path: {f"{name}_film_s_a_picture": 0.3, f"{name}_film_system_share": 0.1},
                                     read_usage=lambda path: {"processor_s": 90.0}):
             numbers = runs.measure_runs(mock.sentinel.executables)
         self.assertEqual(asked, ["glass.textproto", "pressed_plate.textproto", "impactor_small.textproto"])
@@ -46,12 +47,13 @@ class Runs(unittest.TestCase):
         self.assertAlmostEqual(numbers["impactor_small_shell_contact_share"], 0.2)
         self.assertGreaterEqual(numbers["glass_processor_s"], 90.0)
 
-    def test_a_film_is_of_the_first_frames_and_its_time_of_one_picture(self) -> None:
+    def test_a_film_is_of_the_first_frames_with_its_time_a_picture_and_the_systems_share(self) -> None:
         for frames, last in ((200, 80), (40, 39)):
-            used = iter((10.0, 10.0 + 2.0 * (last + 1)))
-            with mock.patch.multiple(runs, list_frames=lambda path, n=frames: [None] * n, _processor_s=lambda: next(used)), \
+            used, system = iter((10.0, 10.0 + 2.0 * (last + 1))), iter((1.0, 1.0 + 0.5 * (last + 1)))
+            with mock.patch.multiple(runs, list_frames=lambda path, n=frames: [None] * n, _processor_s=lambda: next(used),
+                                     _system_s=lambda: next(system)), \
                     mock.patch.object(runs, "render") as drawn:
-                self.assertEqual(runs.film_s_a_picture(Path("run")), 2.0)
+                self.assertEqual(runs.of_film("glass", Path("run")), {"glass_film_s_a_picture": 2.0, "glass_film_system_share": 0.25})
             self.assertEqual(drawn.call_args.args[1:5], (Path("run/film.mp4"), True, False, f"0-{last}"))
             self.assertEqual(drawn.call_args.args[5].size, (1280, 720))
 

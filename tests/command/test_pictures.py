@@ -255,6 +255,16 @@ class ContactSheet(InAFolder):
             write_contact_sheet(self.folder)
         self.assertEqual(written.call_args_list[-1].args[2].split("     ")[:2], [self.folder.resolve().name, "failed"])
 
+    def test_the_title_names_three_kinds_of_sheets_and_says_that_there_are_more(self) -> None:
+        self.synthetic(3)
+        for count, wanted in ((3, "a 1 mm, b 2 mm, c 3 mm"), (5, "a 1 mm, b 2 mm, c 3 mm, \u2026")):
+            (self.folder / SCENE_COPY).write_text("".join(
+                f'materials {{ name: "{name}" density: 2500 }} shells {{ name: "pane_{name}" material: "{name}" thickness_m: {k + 1}e-3 }}'
+                for k, name in enumerate("abcde"[:count])))
+            with mock.patch.object(contact_sheet, "draw_text") as written:
+                write_contact_sheet(self.folder)
+            self.assertIn(wanted, written.call_args_list[-1].args[2].split("     "))
+
     def test_modes_are_drawn_with_thickness_and_material(self) -> None:
         self.synthetic(20)
         (self.folder / SCENE_COPY).write_text('materials { name: "plaster" } shells { name: "pane" material: "plaster" thickness_m: 0.02 }')

@@ -35,7 +35,7 @@ BESIDE = 1.1     # times the distance of the last of these: others that are abou
 FARTHEST = 3.0   # pane widths: what is further away is left out all the same
 BELOW = 0.03  # of the size of what is seen: the ground, where the scene has none
 PAPER = (250, 250, 249)
-MOST_NAMED = 3  # kinds of sheets, and moving bodies, in the title
+MOST_NAMED = 3  # kinds of sheets, before an ellipsis, and moving bodies, in the title
 
 
 def write_contact_sheet(folder: Path) -> Path:
@@ -96,8 +96,8 @@ def _title(folder: Path) -> str:
     if run.get("status") in ("failed", "interrupted"):
         parts.append(str(run["status"]))
     sheets = dict.fromkeys(f"{m} {t * 1e3:.3g} mm" if t == t else m for m, t in zip(words.materials, words.thickness))
-    if 0 < len(sheets) <= MOST_NAMED:
-        parts.append(", ".join(sheets))
+    if sheets:
+        parts.append(", ".join([*list(sheets)[:MOST_NAMED], *(["\u2026"] if len(sheets) > MOST_NAMED else [])]))
     parts += [f"{name} {speed:.3g} m/s" for name, speed in words.speeds[:MOST_NAMED]]
     counts = run.get("counts")
     if isinstance(counts, dict) and "fragments" in counts:
