@@ -80,14 +80,14 @@ inline bool is_shell(const proto::Scene& m, const std::string& name) {
                                    number.find_first_not_of("0123456789") != std::string::npos || number[0] == '0'))
     return false;
   for (const proto::Shell& shell : m.shells())
-    if (shell.name() == whole && (number.empty() || shell.has_cad() || shell.has_mesh() || shell.has_annulus()))
+    if (shell.name() == whole && (number.empty() || shell.has_cad() || shell.has_mesh() || has_sectors(shell)))
       return true;
   return false;
 }
 
 /// A surface that is a shell, its parts and its paint. `field` is the shell's (validate_mesh.cpp).
 void validate_mesh(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
-/// Checks a ring, and that only rings have rims as edges.
+/// Checks a ring or a wide arc, and that only rings have rims as edges.
 void validate_annulus(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
 
 /// Whether any part of a shell is of a material for which `f` is true.

@@ -75,6 +75,18 @@ constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;
 /// Degree of a shell's patch of any kind; 2 where the scene gives none.
 int patch_degree(const proto::Shell& shell);
 
+/// Least arc of a cylinder or cone that several patches make up [deg]; nearly half a turn is too much for one.
+constexpr double kWideArc = 150.0;
+
+/// Angle of a shell's arc [deg]: of an annulus, a cylinder or a cone; 0 for other shells.
+double arc_deg(const proto::Shell& shell);
+
+/// True for a shell of equal sectors, NAME.1, NAME.2 ...: an annulus, or a cylinder or cone with a wide arc.
+bool has_sectors(const proto::Shell& shell);
+
+/// True where the last sector is joined to the first.
+bool is_closed(const proto::Shell& shell);
+
 /// True where nothing moves: shells, no bodies, no time. A run then finds equilibria only.
 bool is_static(const proto::Scene& scene);
 

@@ -66,8 +66,13 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
 // Angle, elements and pose of a sector of any surface of revolution.
 template <class Sector>
 void sector(const Scene& s, const std::string& f, const Sector& c) {
-  s.check(c.has_angle_deg() && c.angle_deg() > 0.0 && c.angle_deg() < 150.0, f + ".angle_deg",
-          "is {}; more than 0 and less than 150 degrees, wider arcs are several patches", c.angle_deg());
+  if constexpr (std::is_same_v<Sector, proto::SphereSector>)
+    s.check(c.has_angle_deg() && c.angle_deg() > 0.0 && c.angle_deg() < kWideArc, f + ".angle_deg",
+            "is {}; more than 0 and less than {:.0f} degrees: a wider arc is several spheres side by side",
+            c.angle_deg(), kWideArc);
+  else
+    s.check(c.has_angle_deg() && c.angle_deg() > 0.0 && c.angle_deg() <= 360.0, f + ".angle_deg",
+            "is {}; more than 0, at most 360 degrees", c.angle_deg());
   for (const auto& [name, n] : {std::pair{"elements_u", c.elements_u()}, std::pair{"elements_v", c.elements_v()}})
     s.check(n >= 1 && n <= kMaxElements, f + "." + name, "is {}; 1 to {} elements along a side", n, kMaxElements);
   s.check(double(c.elements_u()) * c.elements_v() <= kMaxControlPoints, f, "has {} elements; at most {} in all",

@@ -63,6 +63,7 @@ Patch given_patch(const scene::LoadedScene& scene, const proto::Shell& s, const 
     return plate(p.size_x_m(), p.size_y_m(), p.elements_x(), p.elements_y(), scene::to_vec(p.pose().position()),
                  scene::to_quat(p.pose()), degree);
   }
+  if (scene::has_sectors(s)) return posed_sector(s, part, degree);
   if (s.has_cylinder()) {
     const auto& c = s.cylinder();
     return at_field(scene, field + ".cylinder", [&] {
@@ -86,7 +87,6 @@ Patch given_patch(const scene::LoadedScene& scene, const proto::Shell& s, const 
           c);
     });
   }
-  if (s.has_annulus()) return posed(ring_sector(s.annulus(), part, degree), s.annulus());
   if (s.has_cad()) {
     const auto& c = s.cad();
     return at_field(scene, field + ".cad", [&] {

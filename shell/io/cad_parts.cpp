@@ -78,8 +78,8 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
       add_charts(scene, i, files, out);
       continue;
     }
-    if (shell.has_annulus()) {
-      for (int k = 0; k < ring_sectors(shell.annulus()); ++k) out.push_back({i, shell_of_sector(shell, k), k, 0.0});
+    if (scene::has_sectors(shell)) {
+      for (int k = 0; k < ring_sectors(shell); ++k) out.push_back({i, shell_of_sector(shell, k), k, 0.0});
       continue;
     }
     if (!shell.has_cad()) {
@@ -130,12 +130,12 @@ std::vector<std::vector<char>> may_meet(const scene::LoadedScene& scene, const s
           if (parts[a].shell == i && parts[b].shell == i)
             out[a][b] = beside.count(std::minmax(parts[a].part, parts[b].part)) != 0;
     }
-    if (const auto& ring = scene.message.shells(i).annulus(); scene.message.shells(i).has_annulus()) {
+    if (const proto::Shell& ring = scene.message.shells(i); scene::has_sectors(ring)) {
       for (std::size_t a = 0; a < parts.size(); ++a)
         for (std::size_t b = 0; b < parts.size(); ++b) {
           const int apart = std::abs(parts[a].part - parts[b].part), last = ring_sectors(ring) - 1;
           if (parts[a].shell == i && parts[b].shell == i)
-            out[a][b] = apart == 1 || (apart == last && ring_closed(ring));
+            out[a][b] = apart == 1 || (apart == last && scene::is_closed(ring));
         }
     }
     if (!is_several(parts, i)) continue;

@@ -14,11 +14,9 @@ namespace {
 constexpr double kWidestSector = 90.0;  // [deg]
 constexpr double kWhole = 1e-9;         // of an element: round-off
 
-double angle_of(const proto::Annulus& ring) { return ring.has_angle_deg() ? ring.angle_deg() : 360.0; }
-
-// Edges of the patch of sector k that an edge of the ring means.
-std::vector<proto::Support::Edge> edges_of_sector(const proto::Annulus& ring, int k, int edge) {
-  const bool first = !ring_closed(ring) && k == 0, last = !ring_closed(ring) && k + 1 == ring_sectors(ring);
+// Edges of the patch of sector k that an edge of the shell means.
+std::vector<proto::Support::Edge> edges_of_sector(const proto::Shell& shell, int k, int edge) {
+  const bool ends = !scene::is_closed(shell), first = ends && k == 0, last = ends && k + 1 == ring_sectors(shell);
   const bool all = edge == proto::Support::ALL;
   std::vector<proto::Support::Edge> out;
   if (all || edge == proto::Support::OUTER || edge == proto::Support::V_MIN) out.push_back(proto::Support::V_MIN);
@@ -30,40 +28,60 @@ std::vector<proto::Support::Edge> edges_of_sector(const proto::Annulus& ring, in
 
 }  // namespace
 
-int ring_sectors(const proto::Annulus& ring) {
-  return std::max(1, static_cast<int>(std::ceil(angle_of(ring) / kWidestSector * (1.0 - kWhole))));
+int ring_sectors(const proto::Shell& shell) {
+  return std::max(1, static_cast<int>(std::ceil(scene::arc_deg(shell) / kWidestSector * (1.0 - kWhole))));
 }
 
-bool ring_closed(const proto::Annulus& ring) { return !ring.slit() && angle_of(ring) == 360.0; }
-
-Patch ring_sector(const proto::Annulus& ring, int k, int degree) {
-  const double angle = angle_of(ring) * std::numbers::pi / 180.0 / ring_sectors(ring);
+Patch ring_sector(const proto::Shell& shell, int k, int degree) {
+  const int sectors = ring_sectors(shell);
+  const double angle = scene::arc_deg(shell) * std::numbers::pi / 180.0 / sectors;
+  const auto turned = [](const Patch& patch, double by) {
+    return placed(patch, Vec3::Zero(), Quat(Eigen::AngleAxisd(by, Vec3::UnitZ())));
+  };
+  const auto share = [&](int elements) { return (elements + sectors - 1) / sectors; };
+  if (shell.has_cylinder()) {  // its middle is over the x axis
+    const auto& c = shell.cylinder();
+    return turned(cylinder(c.radius_m(), c.length_m(), angle, share(c.elements_u()), c.elements_v(), degree),
+                  (k - 0.5 * (sectors - 1)) * angle);
+  }
+  if (shell.has_cone()) {
+    const auto& c = shell.cone();
+    return turned(cone(c.bottom_m(), c.top_m(), c.height_m(), angle, share(c.elements_u()), c.elements_v(), degree),
+                  k * angle);
+  }
+  const proto::Annulus& ring = shell.annulus();
   const auto elements = [&](double length) {
     return std::max(1, static_cast<int>(std::ceil(length / ring.element_m() * (1.0 - kWhole))));
   };
-  const Patch sector = cone(ring.outer_m(), ring.inner_m(), 0.0, angle, elements(angle * ring.outer_m()),
-                            elements(ring.outer_m() - ring.inner_m()), degree);
-  return placed(sector, Vec3::Zero(), Quat(Eigen::AngleAxisd(k * angle, Vec3::UnitZ())));
+  return turned(cone(ring.outer_m(), ring.inner_m(), 0.0, angle, elements(angle * ring.outer_m()),
+                     elements(ring.outer_m() - ring.inner_m()), degree),
+                k * angle);
+}
+
+Patch posed_sector(const proto::Shell& shell, int k, int degree) {
+  const proto::Pose& pose = shell.has_cylinder() ? shell.cylinder().pose()
+                            : shell.has_cone()   ? shell.cone().pose()
+                                                 : shell.annulus().pose();
+  return placed(ring_sector(shell, k, degree), scene::to_vec(pose.position()), scene::to_quat(pose));
 }
 
 proto::Shell shell_of_sector(const proto::Shell& shell, int k) {
-  const proto::Annulus& ring = shell.annulus();
   proto::Shell out = shell;
-  if (ring_sectors(ring) > 1) out.set_name(fmt::format("{}.{}", shell.name(), k + 1));
+  if (ring_sectors(shell) > 1) out.set_name(fmt::format("{}.{}", shell.name(), k + 1));
   for (int i = 0; i < shell.supports_size(); ++i) {
     out.mutable_supports(i)->clear_edges();
     for (const int edge : shell.supports(i).edges())
-      for (const auto own : edges_of_sector(ring, k, edge)) out.mutable_supports(i)->add_edges(own);
+      for (const auto own : edges_of_sector(shell, k, edge)) out.mutable_supports(i)->add_edges(own);
   }
   out.clear_loads();
   for (const proto::ShellLoad& load : shell.loads()) {
     if (load.has_edge_force())
-      for (const auto own : edges_of_sector(ring, k, load.edge_force().edge())) {
+      for (const auto own : edges_of_sector(shell, k, load.edge_force().edge())) {
         proto::ShellLoad& l = *out.add_loads() = load;
         l.mutable_edge_force()->set_edge(own);
       }
     else if (load.has_edge_moment())
-      for (const auto own : edges_of_sector(ring, k, load.edge_moment().edge())) {
+      for (const auto own : edges_of_sector(shell, k, load.edge_moment().edge())) {
         proto::ShellLoad& l = *out.add_loads() = load;
         l.mutable_edge_moment()->set_edge(own);
       }

@@ -49,10 +49,8 @@ void check_reach(const scene::LoadedScene& scene, const proto::Shell& s, const L
                  const std::string& field) {
   constexpr int kLooks = 32;  // along each side
   std::vector<Patch> patches{own};
-  for (int k = 0; k < (s.has_annulus() ? ring_sectors(s.annulus()) : 0); ++k)
-    patches.push_back(with_parameters_as_lengths(placed(ring_sector(s.annulus(), k, scene::patch_degree(s)),
-                                                        scene::to_vec(s.annulus().pose().position()),
-                                                        scene::to_quat(s.annulus().pose()))));
+  for (int k = 0; k < (scene::has_sectors(s) ? ring_sectors(s) : 0); ++k)
+    patches.push_back(with_parameters_as_lengths(posed_sector(s, k, scene::patch_degree(s))));
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Patch& patch : patches)
     for (int i = 0; i <= kLooks; ++i)

@@ -54,3 +54,40 @@ TEST(Annulus, WithWhatIsForOnePatchIsRefused) {
   expect_refusal(ring(kRing, law), "shells[0].thickness_law.along", {"each sector", "take X, Y or Z", "at most 90"});
   EXPECT_EQ(refusal(ring(kRing + " angle_deg: 90", law)).kind, "accepted");
 }
+
+namespace {
+
+std::string tube(const std::string& angle, const std::string& more = "") {
+  return replaced(
+      "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
+      "cylinder { radius_m: 0.1 length_m: 0.2 elements_u: 40 elements_v: 12 angle_deg: " + angle + " }\n" + more);
+}
+
+}  // namespace
+
+TEST(WideArc, IsAcceptedUpToAWholeTurn) {
+  for (const char* angle : {"149", "150", "359", "360"})
+    EXPECT_EQ(refusal(tube(angle)).kind, "accepted") << refusal(tube(angle)).what();
+  expect_refusal(tube("361"), "shells[0].cylinder.angle_deg", {"is 361", "at most 360"});
+  expect_refusal(tube("0"), "shells[0].cylinder.angle_deg", {"is 0", "more than 0"});
+}
+
+TEST(WideArc, HasNoEndsWhereItIsClosedAndIsSeveralPatches) {
+  const std::string held = "supports { edges: U_MAX kind: CLAMPED }";
+  EXPECT_EQ(refusal(tube("300", held)).kind, "accepted");
+  expect_refusal(tube("360", held), "shells[0].supports[0].edges", {"has U_MAX", "closed", "V_MIN or V_MAX"});
+  expect_refusal(tube("300", "loads { point { at { u: 0 v: 0 } force { z: 1 } } }"), "shells[0].loads[0].point",
+                 {"an arc so wide is several", "edge_force"});
+  expect_refusal(tube("300", "supports { edges: INNER kind: CLAMPED }"), "shells[0].supports[0].edges",
+                 {"a rim of an annulus"});
+}
+
+TEST(WideArc, OfAConeDoesNotEndInAPoint) {
+  const auto cone = [](const std::string& more) {
+    return replaced("plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
+                    "cone { bottom_m: 0.1 height_m: 0.2 elements_u: 16 elements_v: 4 " + more + " }\n");
+  };
+  EXPECT_EQ(refusal(cone("angle_deg: 140")).kind, "accepted");
+  EXPECT_EQ(refusal(cone("angle_deg: 360 top_m: 0.01")).kind, "accepted");
+  expect_refusal(cone("angle_deg: 360"), "shells[0].cone.top_m", {"is 0", "small radius", "below 150"});
+}

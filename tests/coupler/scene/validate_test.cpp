@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(
              "poisson_ratio: 0.22 strength: 1 fracture_energy: 1e9 }\nfracture { mode: DAMAGE }", 5,
              "not belong together"},
         Case{"ArcTooWide", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
-             "  cylinder { radius_m: 1 length_m: 1 angle_deg: 180 elements_u: 4 elements_v: 4 }", 9, "150 degrees"},
+             "  cylinder { radius_m: 1 length_m: 1 angle_deg: 380 elements_u: 4 elements_v: 4 }", 9, "at most 360 degrees"},
         Case{"ProbeOfNoShell", "end_time_s: 1\n", "end_time_s: 1 output { probes { name: \"a\" shell: \"b\" } }\n", 2,
              "no shell of this scene"},
         Case{"DamageWithoutAStrength", "end_time_s: 1\n", "end_time_s: 1 fracture { mode: DAMAGE }\n", 2,

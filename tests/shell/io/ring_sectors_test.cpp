@@ -117,6 +117,64 @@ TEST(RingSectors, ASlitRingAndAPartHaveEnds) {
   EXPECT_NEAR(mass_of(part), kDensity * kThickness * kPi * 0.03 / 3.0, 1e-6 * kDensity * kThickness);
 }
 
+namespace {
+
+std::string tube(const std::string& patch, const std::string& more = "") {
+  return "gravity {}\nmaterials { name: \"m\" density: 2500 youngs_modulus: 7e10 poisson_ratio: 0.3 }\n"
+         "shells { name: \"tube\" material: \"m\" thickness_m: 0.002\n" +
+         patch + "\n" + more + " equilibrium {} }\n";
+}
+
+}  // namespace
+
+TEST(RingSectors, AWholeCylinderAndAWholeConeClose) {
+  const RunSetup whole =
+      setup_of_text(tube("cylinder { radius_m: 0.1 length_m: 0.4 angle_deg: 360 elements_u: 30 elements_v: 8 }"));
+  ASSERT_EQ(whole.shells.size(), 4u);
+  EXPECT_EQ(whole.shells[0].model.name, "tube.1");
+  EXPECT_EQ(whole.shells[0].model.patch.columns(), 8 + 2);  // a quarter of 30, rounded up
+  EXPECT_EQ(whole.stitches.seams.size(), 4u);
+  for (const Seam& s : whole.stitches.seams) EXPECT_TRUE(s.smooth);
+  const double exact = kDensity * kThickness * 2.0 * kPi * 0.1 * 0.4;
+  EXPECT_NEAR(mass_of(whole), exact, 1e-6 * exact);
+  const RunSetup cone = setup_of_text(
+      tube("cone { bottom_m: 0.1 top_m: 0.06 height_m: 0.03 angle_deg: 360 elements_u: 32 elements_v: 4 }"));
+  EXPECT_EQ(cone.stitches.seams.size(), 4u);
+  EXPECT_NEAR(mass_of(cone), kDensity * kThickness * kPi * 0.16 * 0.05, 1e-6 * exact);
+}
+
+// As before: the middle of the arc is over the x axis, and its ends are edges.
+TEST(RingSectors, AWideArcIsWhereANarrowOneIs) {
+  const auto ends = [](const std::string& angle) {
+    const RunSetup r = setup_of_text(
+        tube("cylinder { radius_m: 0.1 length_m: 0.4 angle_deg: " + angle + " elements_u: 12 elements_v: 4 }",
+             "supports { edges: U_MIN kind: CLAMPED }"));
+    EXPECT_FALSE(r.shells.front().model.constraints.held[0].empty()) << angle;
+    const Patch &first = r.shells.front().model.patch, &last = r.shells.back().model.patch;
+    return std::pair(first.evaluate({0.0, 0.0}).x, last.evaluate({last.knots_u.end(), 0.0}).x);
+  };
+  for (const double angle : {149.0, 150.0, 200.0, 300.0}) {
+    const auto [from, to] = ends(std::to_string(angle));
+    const double half = 0.5 * angle * kPi / 180.0;
+    EXPECT_NEAR((from - 0.1 * Vec3(std::cos(half), -std::sin(half), 0.0)).norm(), 0.0, 1e-12) << angle;
+    EXPECT_NEAR((to - 0.1 * Vec3(std::cos(half), std::sin(half), 0.0)).norm(), 0.0, 1e-12) << angle;
+  }
+}
+
+// Far from its clamped end, by many boundary layers of sqrt(R t), a tube widens by p R^2 / (E t).
+TEST(RingSectors, ATubeWidensUnderPressureAlikeAllAround) {
+  Still still(tube("cylinder { radius_m: 0.1 length_m: 0.4 angle_deg: 360 elements_u: 32 elements_v: 24 degree: 3 }",
+                   "supports { edges: V_MIN kind: CLAMPED }\nloads { pressure: 1e5 }"));
+  const double exact = 1e5 * 0.1 * 0.1 / (kYoung * kThickness);
+  for (const ShellPart& part : still.simulation.state.shells)
+    for (const double share : {0.0, 0.4, 1.0}) {
+      const ShellModel& m = part.model();
+      const Vec2 at(share * m.patch.knots_u.end(), 0.5 * m.patch.knots_v.end());
+      const Vec3 out = Vec3(1, 1, 0).cwiseProduct(m.patch.evaluate(at).x).normalized();
+      EXPECT_NEAR(displacement(m, *part.state, at).dot(out), exact, 5e-3 * exact) << m.name << " " << share;
+    }
+}
+
 TEST(RingSectors, ARingClampedAtItsInnerRimSagsAsAPlate) {
   Still still(ring("inner_m: 0.1 outer_m: 0.3 element_m: 0.03 degree: 3",
                    "supports { edges: INNER kind: CLAMPED }\nloads { pressure: -10 }"));
