@@ -21,7 +21,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kTrials = 20;  // timed substeps
+constexpr int kTrials = 20;          // timed substeps
+constexpr double kAffordable = 5.0;  // most times as many elements along a side that a user is advised to take [-]
 
 // Index in the scene of a shell of the run, which may be one of its CAD faces.
 int index_of(const scene::LoadedScene& scene, const std::string& name) {
@@ -104,12 +105,15 @@ std::string fracture_lines(const ShellSetup& shell) {
                      mirror, mirror / m.spacing,
                      mirror < kResolvedMirror * m.spacing ? ": where it does, the grid decides" : "");
   const double resolved = width / std::sqrt(3.0);
-  out += m.spacing < resolved
-             ? fmt::format("fracture       the spacing resolves the fracture energy (needs below {:.3g} m)\n", resolved)
-             : fmt::format(
-                   "fracture       the spacing does not resolve the softening (that needs below {:.3g} m, or more "
-                   "than {:.3g} J/m^2): cracks start by the strength at once, and run by the fracture energy\n",
-                   resolved, q.fracture_energy * m.spacing / resolved);
+  if (m.spacing < resolved)
+    out += fmt::format("fracture       the spacing resolves the fracture energy (needs below {:.3g} m)\n", resolved);
+  else if (kAffordable * resolved < m.spacing)  // of brittle material: nobody takes such elements, or needs them
+    out += "fracture       cracks start by the strength at once, and run by the fracture energy, at any spacing\n";
+  else
+    out += fmt::format(
+        "fracture       the spacing does not resolve the softening (that needs below {:.3g} m, or more than {:.3g} "
+        "J/m^2): cracks start by the strength at once, and run by the fracture energy\n",
+        resolved, q.fracture_energy * m.spacing / resolved);
   return out;
 }
 

@@ -69,11 +69,17 @@ TEST(CheckReport, SeveralShellsAreAddedUp) {
   EXPECT_TRUE(reports(small_scene::report(small_scene::two_plates("")), "4096 layer points, 0 seams\n"));
 }
 
-// Softening takes 2 E G_f / f^2 = 0.311 mm, and an element resolves it below that over the root of three.
+// Softening takes 2 E G_f / f^2, 0.311 mm of glass, and an element resolves it below that over the root of three.
 TEST(CheckReport, TellsWhetherTheSpacingResolvesTheFractureEnergy) {
-  const std::string coarse = small_scene::report(small_scene::strong(""));
+  // a hundred and more times as many elements along each side: no advice
+  const std::string brittle = small_scene::report(small_scene::strong(""));
+  EXPECT_TRUE(reports(brittle,
+                      "fracture       cracks start by the strength at once, and run by the fracture energy, at "
+                      "any spacing\n"))
+      << brittle;
+  const std::string coarse = small_scene::report(small_scene::strong("", "", "strength: 6e7 fracture_energy: 800 "));
   EXPECT_TRUE(reports(coarse,
-                      "fracture       the spacing does not resolve the softening (that needs below 0.00018 m, or more "
+                      "fracture       the spacing does not resolve the softening (that needs below 0.018 m, or more "
                       "than 1.39e+03 J/m^2)"))
       << coarse;
   const std::string tough = small_scene::report(small_scene::strong("", "", "strength: 6e7 fracture_energy: 1400 "));
