@@ -49,7 +49,7 @@ constexpr double kShortOfEdge = 0.02;
 /// calibrated on energy_release: measured on square elements of degree 2 (rows `..._lattice_turns`)
 constexpr double kToDiagonal = 3.7 * std::numbers::pi / 180.0;
 /// [rad]: largest change of direction of a tip per edge.
-/// calibrated on struck_pane: by eye, no source
+/// calibrated on struck_pane: by eye, no source; a scene of the case sensitivity
 constexpr double kMostTurn = 10.0 * (std::numbers::pi / 180.0);
 /// [rad]: the same for the first edge of a crack that starts at the end of a cut.
 /// published: above 70.5 degrees, the kink in pure mode II (Erdogan and Sih 1963); the margin is chosen
@@ -175,7 +175,7 @@ constexpr int kZoneSamples = 16;
 /// numerical: no shell has so many elements
 constexpr double kFarthest = 1e6;
 /// [m]: cell of the scatter of the strength; the scene may set `flaw_spacing_m`.
-/// calibrated on struck_pane: by eye, no source
+/// calibrated on struck_pane: by eye, no source; a scene of the case sensitivity
 constexpr double kFlawSpacing = 4e-3;
 
 // ---- Along a clamped border
@@ -289,8 +289,8 @@ constexpr double kDamageTurn = 20.0 * std::numbers::pi / 180.0;
 /// calibrated on torn_sheet: by eye
 constexpr double kTornStress = 16.0;
 /// [of the area at rest]: a spent point is folded where a layer keeps less, and crushed where its middle does.
-/// numerical: a sheet that is folded about a radius of its thickness leaves its pressed face half of its area; such a
-/// fold is no longer thin, and its stiffness would set the step of the whole shell
+/// numerical: a sheet folded about a radius of its thickness leaves its pressed face half of its area. Such a fold is no
+/// longer thin. Its stiffness would set the step of the whole shell.
 constexpr double kFoldedArea = 0.6;
 /// [h]: reach of an end over sound material.
 /// numerical: as kStartsOnCrack
