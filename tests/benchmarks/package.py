@@ -66,7 +66,7 @@ def unpack(deb: Path, root: Path) -> None:
     """Unpacks a package into an empty folder. Raises CommandError for a file that is none of this project."""
     if not deb.is_file():
         raise CommandError(f"--deb {deb}: there is no such file; 'sunder report package' builds one", BAD_INPUT)
-    done = subprocess.run(["dpkg", "-x", str(deb), str(root)], capture_output=True, text=True, check=False)
+    done = _said(["dpkg", "-x", str(deb), str(root)])
     if done.returncode != 0 or not (root / "usr" / "bin" / "sunder").exists():
         raise CommandError(f"--deb {deb}: is no package of Sunder; {done.stderr.strip() or 'it has no usr/bin/sunder'}; "
                            "'sunder report package' builds one", BAD_INPUT)
@@ -85,9 +85,20 @@ def run_installed(root: Path) -> float:
     return time.monotonic() - start
 
 
+def _said(command: list[str]) -> subprocess.CompletedProcess[str]:
+    """Runs a tool. Raises CommandError where it is not installed."""
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise CommandError(f"{command[0]}: {error.strerror}; apt-get install dpkg binutils", BAD_INPUT) from None
+
+
 def reads_cad(shell: Path) -> bool:
-    """Tells whether a program was built with OpenCASCADE."""
-    return CAD_LIBRARY in subprocess.run(["objdump", "-p", str(shell)], stdout=subprocess.PIPE, text=True, check=True).stdout
+    """Tells whether a program was built with OpenCASCADE. Raises CommandError where that cannot be told."""
+    done = _said(["objdump", "-p", str(shell)])
+    if done.returncode != 0:
+        raise CommandError(f"{shell}: cannot be read: {done.stderr.strip()}", BAD_INPUT)
+    return CAD_LIBRARY in done.stdout
 
 
 def compared(packaged: Executables, native: Executables) -> dict[str, float]:

@@ -20,7 +20,7 @@ class MeshFiles(unittest.TestCase):
         edges = [(face[k], face[(k + 1) % 4]) for face in quads for k in range(4)]
         self.assertEqual(len(edges), len(set(edges)))  # neighbours turn alike
         self.assertEqual({(b, a) for a, b in edges}, set(edges))
-        self.assertTrue(np.allclose(np.linalg.norm(points, axis=1), 0.2, rtol=1e-15))
+        self.assertTrue(np.allclose(np.linalg.norm(points, axis=1), 0.2, rtol=1e-14, atol=0.0))
         for face in quads:
             a, b, c = (points[k] for k in face[:3])
             self.assertGreater(float(np.cross(b - a, c - a) @ a), 0.0)

@@ -100,6 +100,10 @@ class New(InAFolder):
         beside = self.folder / "other"  # a path, in the same folder: nothing to copy
         self.assertEqual(main(["new", str(beside), "--from", str(self.folder / "my_tree.textproto")]), 0)
 
+    def test_each_scene_that_is_listed_can_be_copied(self) -> None:
+        for number, scene in enumerate(shipped.shipped()):
+            self.assertEqual(main(["new", str(self.folder / f"f{number}" / "mine"), "--from", scene.name]), 0, scene.name)
+
     def test_nothing_is_replaced(self) -> None:
         path = self.folder / "pane.textproto"
         path.write_text("mine")

@@ -77,8 +77,7 @@ FIGURES = {figure.number: figure for figure in (
             "has no row for this figure.",
             "Mode DAMAGE was tried for (c), without healing, with 150 times the fracture energy of glass and four times the "
             "pressure. It draws diagonals from the corners that a ring around the middle joins. But its cracks add energy, more "
-            "than 1 % of what they take: 6 % with 40 x 40 elements, also under a load that grows four times as slowly, and 2.4 % "
-            "with 80 x 80. So the figure stays with TIPS.",
+            "than 1 % of what they take, on both grids that were tried and under a slower load. So the figure stays with TIPS.",
             "The paper restrains the crack of (b) by a boundary condition at the lower edge. Here that edge is held."),
            drawings.figure_11),
     Figure(12, "A bullet through thin metal",

@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 from ..errors import BAD_INPUT, DONE, CommandError
-from ..launch.shipped import ENDING, SCENES
+from ..launch.shipped import ENDING, FOLDERS, SCENES
 from ..words import own_command
 from .parser import Subparsers, add_command, need_scene
 
@@ -37,7 +37,7 @@ shells {{
     elements_y: 30
     pose {{ position {{ z: 0.2 }} }}
   }}
-  supports {{ edges: ALL kind: CLAMPED }}
+  supports {{ edges: ALL kind: SIMPLY_SUPPORTED }}      # held, and free to turn, as in a soft gasket
 }}
 
 bodies {{
@@ -90,8 +90,8 @@ def _check_name(name: str) -> None:
 
 def _source(given: Path) -> Path:
     """A file, or the shipped scene of that name. Raises CommandError where there is neither."""
-    shipped = SCENES / (given.name.removesuffix(ENDING) + ENDING)
-    if not given.is_file() and given.parent == Path(".") and shipped.is_file():
+    shipped = SCENES / given.parent / (given.name.removesuffix(ENDING) + ENDING)
+    if not given.is_file() and str(given.parent) in (".", *FOLDERS) and shipped.is_file():
         return shipped
     need_scene(given)
     return given

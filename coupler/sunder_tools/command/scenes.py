@@ -18,7 +18,7 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = add_command(subparsers, NAME, "list the scenes that ship",
                          "A line a scene: its name, the processor's seconds that a run took where that was measured, what it shows.")
     parser.add_argument("--measure", action="store_true",
-                        help="run the scenes and write scenes/seconds.json; without names all of them, which takes hours")
+                        help="run the scenes and write scenes/seconds.json; without names all but those of the paper, which takes hours")
     parser.add_argument("names", metavar="NAME", nargs="*", help="with --measure: these scenes only")
 
 

@@ -72,7 +72,7 @@ def _seconds(entry: object) -> float | None:
 
 
 def measure(names: list[str], folder: Path = SCENES) -> None:
-    """Runs these scenes, all where none is named, and keeps the processor's seconds of each as soon as it has ended.
+    """Runs these scenes, all but the paper's where none is named, and keeps the processor's seconds of each as soon as it has ended.
 
     Other programs on the machine change those least. Raises CommandError for a name that does not ship, before anything runs.
     """
@@ -80,7 +80,7 @@ def measure(names: list[str], folder: Path = SCENES) -> None:
     for name in names:
         if name not in there:
             raise CommandError(f"no scene '{name}' ships; {did_you_mean(name, there)}", BAD_INPUT)
-    for name in names or there:
+    for name in names or [name for name in there if not name.startswith("paper/")]:
         executables = built_for(there[name])
         print(f"sunder: measuring {name}", file=sys.stderr, flush=True)
         made_with = circumstances(build_dir())  # the load before it, not its own
