@@ -13,8 +13,6 @@
 namespace sunder::rigid {
 namespace {
 
-constexpr double kOverlap_m = 5e-6;  // that a rebound may leave
-
 btVector3 plain(const Vec3& v) { return btVector3(v.x(), v.y(), v.z()); }
 Vec3 plain(const btVector3& v) { return Vec3(v.x(), v.y(), v.z()); }
 
@@ -65,9 +63,6 @@ struct Transit {
   Vec3 spin = Vec3::Zero();  // [rad/s]
   btVector3 linear{0, 0, 0}, angular{0, 0, 0};
   btTransform pose = btTransform::getIdentity();
-  BodyMotion at_touch = {};                                       // of a body that bounces, before it goes on
-  Vec3 pull = Vec3::Zero();                                       // acceleration of the predicted motion [m/s^2]
-  Vec3 solved_linear = Vec3::Zero(), solved_spin = Vec3::Zero();  // changes by the first solve [m/s], [rad/s]
 };
 
 /// Sets the average velocities that lead to the predicted state.
@@ -88,16 +83,6 @@ bool touched(const Transit& t) {
   const btRigidBody& rigid = *t.held->rigid;
   return !(rigid.getLinearVelocity() == t.linear && rigid.getAngularVelocity() == t.angular &&
            rigid.getWorldTransform() == t.pose);
-}
-
-/// The engine's part in a rebound: bodies that bounce leave their touch at its time. The first solve has changed their
-/// velocities from the window's start, and the second one at its end: both do so at the touch. `dv`, `dw`: of the
-/// second.
-void fly_on(Transit& t, double window_s, double touch, const Vec3& dv, const Vec3& dw) {
-  BodyMotion& motion = t.held->body.motion;
-  const double rest = window_s - touch;
-  motion.position += rest * dv - touch * t.solved_linear;
-  motion.orientation = (rotation_from_vector(rest * dw - touch * t.solved_spin) * motion.orientation).normalized();
 }
 
 /// Motion at the end of the window: the predicted state plus the solver's changes of velocities and pose.
@@ -238,7 +223,6 @@ void BulletEngine::advance(double window_s, const std::vector<PredictedState>& p
     t.held->rigid->setLinearVelocity(t.linear);
     t.held->rigid->setAngularVelocity(t.angular);
     t.pose = t.held->rigid->getWorldTransform();
-    t.pull = 2.0 / window_s * (t.predicted->velocity - plain(t.linear) / kLengthScale);
   }
 
   const BulletWorld::Ahead ahead{
@@ -268,46 +252,18 @@ void BulletEngine::advance(double window_s, const std::vector<PredictedState>& p
 
   for (Transit& t : transits) {
     btRigidBody& rigid = *t.held->rigid;
-    t.solved_linear = plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
-    t.solved_spin = plain(rigid.getAngularVelocity() - t.angular);
     t.linear = plain(Vec3(kLengthScale * t.held->body.motion.velocity));
     t.angular = plain(t.held->body.angular_velocity());
     rigid.setLinearVelocity(t.linear);
     rigid.setAngularVelocity(t.angular);
   }
-  const auto of = [&](BodyId id) {
-    const auto by_id = [](const Transit& t, BodyId sought) { return t.held->body.id < sought; };
-    const auto at = std::lower_bound(transits.begin(), transits.end(), id, by_id);
-    return at != transits.end() && at->held->body.id == id ? &*at : nullptr;
-  };
-  const auto bounces = impl_->world.relax(window_s, [&](BodyId id) {
-    const Transit* t = of(id);
-    return t ? plain(Vec3(kLengthScale * t->pull)) : btVector3(0, 0, 0);
-  });
+  impl_->world.relax(window_s);
   for (Transit& t : transits) {
     const btRigidBody& rigid = *t.held->rigid;
     if (rigid.getLinearVelocity() == t.linear && rigid.getAngularVelocity() == t.angular) continue;
     RigidBody& body = t.held->body;
     body.motion.velocity += plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
     body.motion.angular_momentum += body.apply_inertia(plain(rigid.getAngularVelocity() - t.angular));
-  }
-  for (const auto& [id, bounce] : bounces) {
-    Transit *first = of(id), *second = of(bounce.partner);
-    if (second && bounce.partner < id) continue;  // the pair has gone on
-    const double deepest = std::min(impl_->world.deepest(id), -kLengthScale * kOverlap_m);
-    const auto each = [&](const auto& act) { act(*first), second ? act(*second) : void(); };
-    each([&](Transit& t) {
-      const btRigidBody& rigid = *t.held->rigid;
-      t.pose = rigid.getWorldTransform(), t.at_touch = t.held->body.motion;
-      fly_on(t, window_s, bounce.touch, plain(rigid.getLinearVelocity() - t.linear) / kLengthScale,
-             plain(rigid.getAngularVelocity() - t.angular));
-      t.held->rigid->setCenterOfMassTransform(bullet_pose(t.held->body.motion));
-    });
-    if (impl_->world.deepest(id) >= deepest) continue;
-    each([&](Transit& t) {  // it would overlap more: it stays
-      t.held->body.motion = t.at_touch;
-      t.held->rigid->setCenterOfMassTransform(t.pose);
-    });
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 
 #include "rigid/engine/bullet_shapes.h"
 #include "rigid/engine/checks.h"
@@ -193,12 +192,10 @@ bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
       act_at_one_point(point);
       const btVector3 closing =
           velocity_at(b, point.getPositionWorldOnB()) - velocity_at(a, point.getPositionWorldOnA());
-      rows_.push_back(
-          {&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, 0.0, false, false});
+      rows_.push_back({&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, false, false});
     }
   }
   update_allowances();
-  for (Row& row : rows_) row.gap = row.point->getDistance();
   if (solved.empty()) return !rows_.empty();
   bool any = false;
   for (Row& row : rows_) {
@@ -326,46 +323,7 @@ void BulletWorld::relax_joined(double window_s, int mode) {
   }
 }
 
-std::vector<std::optional<Rebound>> BulletWorld::find_rebounds(double window_s,
-                                                               const std::function<btVector3(BodyId)>& pull) const {
-  std::vector<Strike> strikes;
-  std::set<BodyId> apart;  // their contacts are solved elsewhere
-  for (const Row& row : rows_) {
-    const BodyId first = BodyTag::id(*row.first), second = BodyTag::id(*row.second);
-    if (row.left_out) apart.insert(first), apart.insert(second);
-    const bool bounces = row.approach > kLengthScale * kImpactSpeed_m_s;
-    strikes.push_back({first, second, row.gap, row.approach,
-                       (pull(first) - pull(second)).dot(row.point->m_normalWorldOnB), bounces ? row.restitution : 0.0,
-                       row.point->m_appliedImpulse > 0.0 && !row.left_out});
-  }
-  return rebounds(
-      strikes, window_s, [&](BodyId id) { return bodies_.at(id)->isStaticObject(); },
-      [&](BodyId id) { return apart.count(id) > 0 || holds(id); });
-}
-
-double BulletWorld::deepest(BodyId id) const {
-  double gap = std::numeric_limits<double>::infinity();
-  for (const Row& row : rows_) {
-    if (BodyTag::id(*row.first) != id && BodyTag::id(*row.second) != id) continue;
-    const btManifoldPoint& point = *row.point;
-    const btVector3 apart =
-        row.first->getWorldTransform() * point.m_localPointA - row.second->getWorldTransform() * point.m_localPointB;
-    gap = std::min(gap, apart.dot(point.m_normalWorldOnB) + row.allowance);
-  }
-  return gap;
-}
-
-std::map<BodyId, BulletWorld::Bounce> BulletWorld::relax(double window_s,
-                                                         const std::function<btVector3(BodyId)>& pull) {
-  const std::vector<std::optional<Rebound>> rebound = find_rebounds(window_s, pull);
-  std::map<BodyId, Bounce> bounces;
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    if (!rebound[k]) continue;
-    const Row& row = rows_[k];
-    const BodyId first = BodyTag::id(*row.first), second = BodyTag::id(*row.second);
-    if (!row.first->isStaticObject()) bounces[first] = {second, rebound[k]->touch};
-    if (!row.second->isStaticObject()) bounces[second] = {first, rebound[k]->touch};
-  }
+void BulletWorld::relax(double window_s) {
   // Restitution is applied here and not in solve(). There a contact with a gap still closes it in the window, and
   // Bullet would subtract this closing speed from the rebound.
   struct Kept {
@@ -373,8 +331,7 @@ std::map<BodyId, BulletWorld::Bounce> BulletWorld::relax(double window_s,
   };
   std::vector<Kept> kept;
   kept.reserve(rows_.size());
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    Row& row = rows_[k];
+  for (Row& row : rows_) {
     btManifoldPoint& point = *row.point;
     kept.push_back({point.m_appliedImpulse, point.m_appliedImpulseLateral1, point.m_appliedImpulseLateral2});
     point.m_positionWorldOnA = row.first->getWorldTransform() * point.m_localPointA;
@@ -387,7 +344,7 @@ std::map<BodyId, BulletWorld::Bounce> BulletWorld::relax(double window_s,
     point.setDistance(row.acted || gap <= 0.0 ? 0.0 : kLeftOut);
     if (row.acted && row.restitution > 0.0 && row.approach > kLengthScale * kImpactSpeed_m_s) {
       // Bullet's target velocity is -distance * erp / H
-      point.setDistance(-(rebound[k] ? rebound[k]->speed : row.restitution * row.approach) * window_s);
+      point.setDistance(-row.restitution * row.approach * window_s);
       point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
       point.m_contactERP = 1.0;
     }
@@ -415,7 +372,6 @@ std::map<BodyId, BulletWorld::Bounce> BulletWorld::relax(double window_s,
     point.m_contactPointFlags &= ~BT_CONTACT_FLAG_HAS_CONTACT_ERP;
     point.m_contactERP = 0.0;
   }
-  return bounces;
 }
 
 WorldMemory BulletWorld::memory() const {

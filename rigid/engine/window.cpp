@@ -1,12 +1,7 @@
 #include "rigid/engine/window.h"
 
 #include <algorithm>
-#include <limits>
-#include <map>
-#include <optional>
 #include <utility>
-
-#include "rigid/engine/rebound.h"
 
 namespace sunder::rigid {
 namespace {
@@ -38,22 +33,18 @@ class Transit {
         movers_(movers),
         meetings_(std::move(meetings)),
         joints_(std::move(joints)),
-        acted_(meetings_.size()),
-        solved_(movers.size()),
-        relaxed_(movers.size()),
-        moved_(movers.size()) {
+        acted_(meetings_.size()) {
     auto next = ends.begin();
     for (const Mover& m : movers_) {
       ends_.push_back(*m.body);
       if (!m.body->is_static) ends_.back().motion = **next++;
-      given_.push_back(ends_.back().motion);
     }
   }
 
   /// Takes the window. Returns the bodies at its end.
   const std::vector<RigidBody>& run() {
     if (meetings_.empty() && joints_.empty()) return ends_;
-    if (solve()) push(), relax(), fly_on();
+    if (solve()) push(), relax();
     return ends_;
   }
 
@@ -105,7 +96,6 @@ class Transit {
       const Vec3 dv = s.velocity - movers_[i].velocity, dw = s.spin - movers_[i].spin;
       if (dv.isZero(0.0) && dw.isZero(0.0)) continue;
       any = true;
-      solved_[i] = {dv, dw};
       const RigidBody& start = *movers_[i].body;
       BodyMotion& end = ends_[i].motion;
       end.position += h_ * dv;
@@ -146,14 +136,12 @@ class Transit {
     gather(
         [&](std::size_t i) { return at(i, ends_[i].motion, ends_[i].motion.velocity, ends_[i].angular_velocity()); });
     const std::vector<SolverBody> before = solver_bodies_;
-    find_rebounds();
     std::vector<SolverContact> contacts;
     for (std::size_t k = 0; k < meetings_.size(); ++k) {
       const Meeting& m = meetings_[k];
       if (!acted_[k] && gap_at_end(m) > 0.0) continue;
       const bool bounces = acted_[k] && m.approach > kImpactSpeed;
-      const double target = rebounds_[k] ? rebounds_[k]->speed : bounces ? m.law->restitution * m.approach : 0.0;
-      contacts.push_back(contact(m, true, m.law->friction, target));
+      contacts.push_back(contact(m, true, m.law->friction, bounces ? m.law->restitution * m.approach : 0.0));
     }
     solver_.solve(h_, 0.0, solver_bodies_, joints(), contacts);
     for (std::size_t i = 0; i < movers_.size(); ++i) {
@@ -163,67 +151,8 @@ class Transit {
       if (dv.isZero(0.0) && dw.isZero(0.0)) continue;
       ends_[i].motion.velocity += dv;
       ends_[i].motion.angular_momentum += ends_[i].apply_inertia(dw);
-      relaxed_[i] = {dv, dw};
     }
   }
-
-  /// The rebounds that are sound, by meeting.
-  void find_rebounds() {
-    const auto pull = [&](int i) -> Vec3 {  // mean acceleration of the predicted motion
-      if (movers_[i].body->is_static) return Vec3::Zero();
-      return 2.0 / h_ * (given_[i].velocity - movers_[i].velocity);
-    };
-    std::vector<Strike> strikes;
-    for (std::size_t k = 0; k < meetings_.size(); ++k) {
-      const Meeting& m = meetings_[k];
-      const bool bounces = m.approach > kImpactSpeed;
-      strikes.push_back({movers_[m.first].id, movers_[m.second].id, m.gap, m.approach,
-                         m.normal.dot(pull(m.first) - pull(m.second)), bounces ? m.law->restitution : 0.0,
-                         acted_[k] != 0});
-      for (const int i : {m.first, m.second}) index_[movers_[i].id] = i;
-    }
-    const auto is_static = [&](BodyId id) { return movers_[index_.at(id)].body->is_static; };
-    const auto joined = [&](BodyId id) {
-      const int i = index_.at(id);
-      return std::any_of(joints_.begin(), joints_.end(),
-                         [i](const SolverJoint& j) { return j.first == i || j.second == i; });
-    };
-    rebounds_ = rebounds(strikes, h_, is_static, joined);
-  }
-
-  /// Bodies that bounce leave their touch at its time. The first solve has changed their velocities from the window's
-  /// start, and the second one at its end: both do so at the touch. A pair that would then overlap more stays.
-  void fly_on() {
-    for (std::size_t k = 0; k < meetings_.size(); ++k) {
-      if (!rebounds_[k] || moved_[meetings_[k].first]) continue;
-      const int pair[] = {meetings_[k].first, meetings_[k].second};
-      const BodyMotion before[] = {ends_[pair[0]].motion, ends_[pair[1]].motion};
-      const double deepest = deepest_of(pair[0], pair[1]), touch = rebounds_[k]->touch, rest = h_ - touch;
-      for (const int i : pair) {
-        if (slots_[i] < 0) continue;
-        moved_[i] = 1;
-        ends_[i].motion.position += rest * relaxed_[i].linear - touch * solved_[i].linear;
-        ends_[i].motion.orientation =
-            (rotation_from_vector(rest * relaxed_[i].spin - touch * solved_[i].spin) * ends_[i].motion.orientation)
-                .normalized();
-      }
-      if (deepest_of(pair[0], pair[1]) >= std::min(deepest, -kSlack_m)) continue;
-      for (const int side : {0, 1})
-        ends_[pair[side]].motion.position = before[side].position,
-        ends_[pair[side]].motion.orientation = before[side].orientation;
-    }
-  }
-  /// Smallest gap of the pair at the window's end [m].
-  double deepest_of(int first, int second) const {
-    double gap = std::numeric_limits<double>::infinity();
-    for (const Meeting& m : meetings_)
-      if (m.first == first && m.second == second) gap = std::min(gap, gap_at_end(m));
-    return gap;
-  }
-
-  struct Change {
-    Vec3 linear = Vec3::Zero(), spin = Vec3::Zero();
-  };
 
   VelocitySolver& solver_;
   double h_;
@@ -232,12 +161,7 @@ class Transit {
   std::vector<SolverJoint> joints_;  // in indices of movers
   std::vector<char> acted_;          // by meeting: had an impulse in solve()
   std::vector<RigidBody> ends_;
-  std::vector<BodyMotion> given_;                 // predicted, by mover
-  std::vector<Change> solved_, relaxed_;          // of velocities, by mover, in solve() and relax()
-  std::vector<std::optional<Rebound>> rebounds_;  // by meeting
-  std::map<BodyId, int> index_;                   // of movers that meet
-  std::vector<char> moved_;                       // by mover: has left its touch
-  std::vector<int> slots_;                        // by mover
+  std::vector<int> slots_;  // by mover
   std::vector<SolverBody> solver_bodies_;
 };
 
