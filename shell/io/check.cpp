@@ -108,7 +108,9 @@ std::string fracture_lines(const ShellSetup& shell) {
   if (m.spacing < resolved)
     out += fmt::format("fracture       the spacing resolves the fracture energy (needs below {:.3g} m)\n", resolved);
   else if (kAffordable * resolved < m.spacing)  // of brittle material: nobody takes such elements, or needs them
-    out += "fracture       cracks start by the strength at once, and run by the fracture energy, at any spacing\n";
+    out +=
+        "fracture       cracks start by the strength at once, and run by the fracture energy, at any spacing that can "
+        "be afforded\n";
   else
     out += fmt::format(
         "fracture       the spacing does not resolve the softening (that needs below {:.3g} m, or more than {:.3g} "
@@ -126,10 +128,10 @@ std::string fibre_lines(const RunSetup& setup, const ShellModel& m) {
       setup.fibre_spacing, 0.25 * law.compression, law.friction);
   if (law.breaks())
     out += fmt::format(
-        "fibre damage   from a shear stress of {:.3g} Pa, which a pressure of {:.3g} Pa holds, complete at {:.2f} "
-        "times "
-        "its shear{}\n",
-        law.shear_strength, law.shear_strength / law.friction, complete_shear(law) / law.shear_strength,
+        "fibre damage   from a shear stress of {:.3g} Pa{}, complete at {:.2f} times its shear{}\n", law.shear_strength,
+        law.friction > 0.0 ? fmt::format(", which a pressure of {:.3g} Pa holds", law.shear_strength / law.friction)
+                           : std::string(),
+        complete_shear(law) / law.shear_strength,
         std::isfinite(law.crushing_strength) ? fmt::format("; or from a pressure of {:.3g} Pa", law.crushing_strength)
                                              : std::string());
   return out;

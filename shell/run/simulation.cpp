@@ -183,8 +183,9 @@ void Simulation::find_equilibria(int step, const std::function<void()>& look) {
 }
 
 void Simulation::require_layers_apart() {
-  const bool any = std::any_of(state.shells.begin(), state.shells.end(),
-                               [](const ShellPart& part) { return part.setup->equilibrium > 0.0; });
+  const bool any = std::any_of(state.shells.begin(), state.shells.end(), [](const ShellPart& part) {
+    return part.setup->equilibrium > 0.0 && part.model().has_fibres();
+  });
   if (!any || !state.fibres) return;
   const std::optional<Fibres::Overlap> found = state.fibres->overlap(refs());
   if (!found) return;

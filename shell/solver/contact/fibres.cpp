@@ -135,7 +135,8 @@ Fibres::Weakening Fibres::weaken(const ShellModel& m, ShellState& s, const Place
   float &c = s.layers.through[i], &worst = s.layers.through_his[i];
   Weakening out;
   out.before = c, out.factor = s.layers.strength[i / 2] / m.material.strength;
-  c = fibre_damage(m.fibres, a, out.factor, s.layers.heals ? 0.0f : worst);
+  const Vec3 held = fibre_return(m.fibres, a, out.before, out.factor);  // friction holds no more, however long the step
+  c = fibre_damage(m.fibres, held, out.factor, s.layers.heals ? 0.0f : worst);
   worst = std::max(worst, c), out.now = c;
   return out;
 }

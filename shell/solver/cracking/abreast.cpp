@@ -5,8 +5,9 @@
 
 namespace sunder::shell {
 
-std::vector<double> shares_abreast(const ShellModel& m, const CrackRules& r, std::span<const Tip> tips,
+std::vector<double> shares_abreast(const ShellModel& m, const ShellState& s, const CrackRules& r,
                                    std::span<const Drive> drives) {
+  const std::vector<Tip>& tips = s.cracks.tips;
   const double fall = 0.5 * kRadialFall / (r.tip_radius * r.tip_radius);
   const auto shares = [&](std::size_t k) { return tips[k].alive && drives[k].release < 0.0; };
   std::vector<double> out(tips.size(), 1.0);
@@ -17,7 +18,8 @@ std::vector<double> shares_abreast(const ShellModel& m, const CrackRules& r, std
     for (std::size_t k = 0; k < tips.size(); ++k) {
       const double apart = (tips[k].p - tips[i].p).squaredNorm();
       if (k == i || !shares(k) || !(apart < std::pow(kReleaseLeast * m.spacing, 2)) ||
-          !(tips[k].direction.dot(tips[i].direction) > 0.0))
+          !(tips[k].direction.dot(tips[i].direction) > 0.0) ||
+          !s.cracks.graph.visible(tips[i].p, tips[k].p, tips[i].edge, tips[k].edge))
         continue;
       const double other = std::exp(-fall * apart) * drives[k].ratio * drives[k].ratio;
       most = std::max(most, other), sum += other;

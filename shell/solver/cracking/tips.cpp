@@ -225,7 +225,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
     if (s.cracks.tips[i].alive) alive.push_back(i);
 #pragma omp parallel for schedule(dynamic, 4) num_threads(r.threads) if (r.threads > 1 && alive.size() > kFewTips)
   for (const std::size_t i : alive) drives[i] = drive_of(i, s.cracks.tips[i]);
-  const std::vector<double> shares = shares_abreast(m, r, s.cracks.tips, drives);
+  const std::vector<double> shares = shares_abreast(m, s, r, drives);
   for (std::size_t i = 0; i < count; ++i) {
     Tip tip = s.cracks.tips[i];  // a copy: branching appends to the vector
     if (!tip.alive) {
@@ -233,7 +233,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
       continue;
     }
     Drive now = as_before(tip.p) ? drives[i] : drive_of(i, tip);
-    now.ratio *= std::sqrt(shares[i]);
+    if (now.release < 0.0) now.ratio *= std::sqrt(shares[i]);
     s.cracks.tips[i].release = tip.release = now.release;
     if (now.ratio <= 1.0) continue;
     tip.face = now.face;

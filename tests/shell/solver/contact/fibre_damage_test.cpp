@@ -132,12 +132,14 @@ TEST(TornFibres, OfSheetsThatAreDrawnOverEachOtherFollowTheClosedForm) {
 }
 
 TEST(TornFibres, ThatFrictionHoldsLessThanTheirStrengthSlipAndStayWhole) {
-  Rubbed r(kTearing);
-  r.press(0.9);  // friction holds 5e3 Pa, half of the strength
-  r.move(Vec3(4e-3, 0, 0), 400);
-  EXPECT_EQ(r.touching(true).second, 0.0f);
-  EXPECT_NEAR(r.force.x(), -5e3 * kSide * kSide, 2.0 * kGridError * 5e3 * kSide * kSide);
-  EXPECT_EQ(r.book(&EnergyBook::healing) + r.book(&EnergyBook::fracture), 0.0);
+  for (const int steps : {400, 4}) {  // a long step overshoots what friction holds, and damages nothing either
+    Rubbed r(kTearing);
+    r.press(0.9);  // friction holds 5e3 Pa, half of the strength
+    r.move(Vec3(4e-3, 0, 0), steps);
+    EXPECT_EQ(r.touching(true).second, 0.0f) << steps;
+    EXPECT_NEAR(r.force.x(), -5e3 * kSide * kSide, 2.0 * kGridError * 5e3 * kSide * kSide) << steps;
+    EXPECT_EQ(r.book(&EnergyBook::healing) + r.book(&EnergyBook::fracture), 0.0) << steps;
+  }
 }
 
 TEST(TornFibres, HealOrGoBackAlongTheSecant) {

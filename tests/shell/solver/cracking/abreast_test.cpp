@@ -57,7 +57,7 @@ struct CutPane {
     return make_shell("p", plate(0.2, 0.2, 40, 40, Vec3(0.1, 0.1, 0), Quat::Identity()), 0.004, g, 2, 2, {hold});
   }
   std::vector<double> shares(const std::vector<Drive>& of) const {
-    return shares_abreast(m, make_crack_rules(m, 0.0), s.cracks.tips, of);
+    return shares_abreast(m, s, make_crack_rules(m, 0.0), of);
   }
   double by_mean(std::size_t k) const { return drives[k].ratio * drives[k].ratio * m.material.fracture_energy; }
 };
@@ -87,24 +87,30 @@ TEST(TipsAbreast, SpendWhatOneWouldAlone) {
   }
 }
 
-TEST(TipsAbreast, AreThoseThatGoTheSameWayNearby) {
+TEST(TipsAbreast, AreThoseThatGoTheSameWayNearbyAndSeeEachOther) {
   const ShellModel m = CutPane::model();
   const CrackRules rules = make_crack_rules(m, 0.0);
-  std::vector<Tip> tips(3);
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  std::vector<Tip>& tips = s.cracks.tips;
+  tips.resize(3);
   for (Tip& tip : tips) tip.p = Vec2(0.1, 0.1), tip.direction = Vec2(1, 0);
   tips[1].p.y() += m.spacing;
   tips[2].p.y() -= 3.0 * m.spacing;  // beyond the least ring
   std::vector<Drive> drives(3);
   drives[0].ratio = 2.0, drives[1].ratio = 1.0, drives[2].ratio = 5.0;
-  const auto shares = [&] { return shares_abreast(m, rules, tips, drives); };
+  const auto shares = [&] { return shares_abreast(m, s, rules, drives); };
   const double overlap = std::exp(-0.25);  // a = 2, R two spacings, one apart
   EXPECT_NEAR(shares()[0], 4.0 / (4.0 + overlap), 1e-12);
   EXPECT_NEAR(shares()[1], 4.0 * overlap / (1.0 + 4.0 * overlap), 1e-12);
   EXPECT_EQ(shares()[2], 1.0);
+  const std::vector alone{1.0, 1.0, 1.0};
   tips[1].direction = Vec2(-1, 0);  // one comes to meet it
-  EXPECT_EQ(shares(), (std::vector{1.0, 1.0, 1.0}));
+  EXPECT_EQ(shares(), alone);
   tips[1].direction = Vec2(1, 0), tips[1].alive = false;
-  EXPECT_EQ(shares(), (std::vector{1.0, 1.0, 1.0}));
+  EXPECT_EQ(shares(), alone);
   tips[1].alive = true, drives[1].ratio = 0.0;  // nothing opens it
-  EXPECT_EQ(shares(), (std::vector{1.0, 1.0, 1.0}));
+  EXPECT_EQ(shares(), alone);
+  drives[1].ratio = 1.0;
+  insert_polyline(m, s, {{0.08, 0.1 + 0.5 * m.spacing}, {0.12, 0.1 + 0.5 * m.spacing}}, 0.0);  // an old crack between
+  EXPECT_EQ(shares(), alone);
 }
