@@ -1,6 +1,7 @@
 // What a scene's numbers, names and references must be. Fibres, soft bodies and coupling have files of their own.
 #include <cmath>
 #include <set>
+#include <type_traits>
 
 #include "coupler/scene/checks.h"
 #include "coupler/scene/mesh.h"
