@@ -41,7 +41,7 @@ std::vector<double> mapped(const ShellModel& m, const Mat3& a) {
   return x;
 }
 
-Mat3 stretched(double along_x) { return Vec3(along_x, 1.0, 1.0).asDiagonal(); }
+Mat3 stretching(double along_x) { return Vec3(along_x, 1.0, 1.0).asDiagonal(); }
 
 }  // namespace
 
@@ -74,7 +74,7 @@ TEST(GatheredPoint, ThicknessMultipliesSecondDerivativesAlone) {
 TEST(GatheredPoint, HasTheStressAndTheStretchOfAStretchedPlate) {
   const double strain = 1e-6, poisson = 0.22, young = 70e9;
   const ShellModel m = gathered_plate(poisson);
-  const std::vector<double> x = mapped(m, stretched(1.0 + strain));
+  const std::vector<double> x = mapped(m, stretching(1.0 + strain));
   const std::array<double, 6> s = undamaged_stress(m.tables, point_of(m), x);
   const double along = young / (1.0 - poisson * poisson) * strain;
   for (const int face : {0, 3}) {  // large strain changes a share of the order of the strain
@@ -82,7 +82,7 @@ TEST(GatheredPoint, HasTheStressAndTheStretchOfAStretchedPlate) {
     EXPECT_NEAR(s[face + 1], poisson * along, 1e-5 * along);
     EXPECT_NEAR(s[face + 2], 0.0, 1e-5 * along);
   }
-  EXPECT_NEAR(largest_stretch(m.tables, point_of(m), mapped(m, stretched(1.25))), 1.25, 1e-13);
+  EXPECT_NEAR(largest_stretch(m.tables, point_of(m), mapped(m, stretching(1.25))), 1.25, 1e-13);
   EXPECT_NEAR(point_energy(m.tables, point_of(m), x), 2e-4 * kThin * 0.5 * along * strain,
               2e-5 * 2e-4 * kThin * 0.5 * along * strain);
 }
@@ -135,7 +135,7 @@ TEST(GatheredPoint, ALinearPointDoesNotBendAndADeadOneDoesNothing) {
 
 TEST(GatheredPoint, APointAtNoPlaceExertsNoForce) {
   const ShellModel m = gathered_plate();
-  std::vector<double> x = mapped(m, stretched(1.0));
+  std::vector<double> x = mapped(m, stretching(1.0));
   x.assign(x.size(), std::nan(""));
   EXPECT_FALSE(point_force(m.tables, point_of(m), x, 1.0));
 }
