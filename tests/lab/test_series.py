@@ -4,6 +4,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 import shutil
 import signal
 import sqlite3
@@ -185,7 +186,8 @@ class Shipped(unittest.TestCase):
 
     def test_the_script_in_the_guide_is_the_one_that_ships(self) -> None:
         text = (REPOSITORY / "coupler" / "experiments" / "radial_cracks.py").read_text()
-        self.assertIn(f"```python\n{text}```", (REPOSITORY / "coupler" / "experiments" / "README.md").read_text())
+        page = (REPOSITORY / "coupler" / "experiments" / "README.md").read_text()
+        self.assertTrue(re.search(r"```python[^\n]*\n" + re.escape(text) + "```", page), "radial_cracks.py is not in the guide")
         self.assertLess(len(text.splitlines()), 30)
 
 

@@ -110,7 +110,8 @@ TEST(Driven, BodyOnWhatDoesNotGiveWayBooksWhatFreeBodiesGain) {
                     kSheet + bodies, engine, [](double, double, const std::vector<const RigidBody*>&) {}, &end),
                 "");
       // A box of 8 g that leaves at ten times the top speed of the press, 3.45 m/s, has 4.8 J.
-      EXPECT_LT(std::abs(number(end.summary, "energy", "external_work")), bodies == floor + press ? 1e-12 : 4.8) << engine;
+      EXPECT_LT(std::abs(number(end.summary, "energy", "external_work")), bodies == floor + press ? 1e-12 : 4.8)
+          << engine;
       EXPECT_NE(end.summary.find("'press', which follows a prescribed motion, pressed on"), std::string::npos)
           << engine;
       EXPECT_LT(std::abs(number(end.summary, "energy", "residual_relative")), 1e-3) << engine;
@@ -157,7 +158,8 @@ TEST(Deforming, SurfacePressesTheSheetAndItsWorkIsBooked) {
     const double work = number(end.summary, "energy", "external_work");
     EXPECT_GT(work, 1e-4) << how;
     EXPECT_GT(number(end.summary, "energy", "elastic"), 0.5 * work) << how;
-    EXPECT_LT(std::abs(number(end.summary, "energy", "residual_relative")), 5e-4) << how;  // corners press harder than a ball
+    EXPECT_LT(std::abs(number(end.summary, "energy", "residual_relative")), 5e-4)
+        << how;  // corners press harder than a ball
   }
 }
 

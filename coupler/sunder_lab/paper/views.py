@@ -223,8 +223,8 @@ def figure_16(runs: Runs) -> Drawn:
     out.found.append(f"{int((area > PIECE * area.sum()).sum())} pieces of a hundredth of the cloth or more; cracks in {across} of "
                      f"{run['counts']['patches']} patches, {run['cracks']['length_m']:.2f} m long; "
                      f"{run['counts']['handed_off']} small pieces handed to the rigid engine. {_held_together(run)}")
-    words, deepest = _depths(frames, CASES["fig16"].made(runs.size).message.shells[0].thickness_m)
-    out.found.append(words)
+    depth, deepest = _depths(frames, CASES["fig16"].made(runs.size).message.shells[0].thickness_m)
+    out.found.append(depth)
     out.checks.append(deepest)
     return out
 

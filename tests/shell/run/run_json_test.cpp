@@ -38,7 +38,7 @@ TEST(RunJson, TellsTimeEnergyAndSurface) {
   EXPECT_EQ(j["time"]["windows"], 10);
   EXPECT_TRUE(j["time"]["frozen_at_s"].is_null());
   EXPECT_LT(std::abs(j["energy"]["residual_relative"].get<double>()), 1e-2);  // of first order in the step
-  EXPECT_GT(j["energy"]["elastic"].get<double>(), 0.0);  // the plate bends at its clamp
+  EXPECT_GT(j["energy"]["elastic"].get<double>(), 0.0);                       // the plate bends at its clamp
   for (const char* key :
        {"dissipated_fracture", "dissipated_plastic", "contact", "handoff_lost", "crack_injected", "frozen"})
     EXPECT_EQ(j["energy"][key], 0.0) << key;
