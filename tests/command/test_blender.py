@@ -224,7 +224,7 @@ class MeshCache(test_pc2.Written):
     def test_the_script_of_the_page_plays_point_caches(self) -> None:
         """Points are those of the frames, and objects that are not to be seen are drawn together into a point."""
         page = (REPOSITORY / "coupler" / "README.md").read_text()
-        script, = [block for block in re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL) if "MESH_CACHE" in block]
+        script, = [block for block in re.findall(r"^```python[^\n]*\n(.*?)^```", page, re.MULTILINE | re.DOTALL) if "MESH_CACHE" in block]
         folder, out = self.written.folder, self.folder / "told.json"
         self.assertIn("/path/to/pane_caches", script)
         (self.folder / "script.py").write_text(script.replace("/path/to/pane_caches", str(folder)) + CACHES.format(out=str(out)))
