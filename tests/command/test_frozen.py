@@ -101,7 +101,7 @@ class Frozen(InAFolder):
             self.skipTest("there is no Node.js")
         page = f"""import {{ bodyColour }} from "{(REPOSITORY / 'coupler/viewer/colours.js').as_uri()}";
             const frame = {{ arrays: {{ "bodies.kind": [3, 3, 1], "bodies.body": [7, 7, 8], "bodies.part": [0, 1, -1] }} }};
-            const look = {{ shardColour: (body, part) => [[1, 0, 0], [0, 1, 0]][part] ?? [0, 0, body] }};
+            const look = {{ whole: new Set(), shardColour: (body, part) => [[1, 0, 0], [0, 1, 0]][part] ?? [0, 0, body] }};
             const of = bodyColour(frame, "part", 1, look);
             console.log(JSON.stringify([0, 1, 2].map((t) => of(t, 0))));"""
         (self.folder / "page.mjs").write_text(page)
