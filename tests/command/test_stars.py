@@ -9,8 +9,8 @@ import numpy as np
 from sunder_tools.pictures.crack_lines import Graph
 from tests.validation.stars import Star, arms, curvatures, doubled, measure
 
-PANE = Star("pane", (), 1, 0.05, 0.05, 0.001)
-DISC = Star("disc", (), 1, 0.05, 0.05, 0.001, True)
+PANE = Star("pane", "pane", (), 1, 0.05, 0.05, 0.001)
+DISC = Star("disc", "disc", (), 1, 0.05, 0.05, 0.001, True)
 
 
 def graph(*lines: np.ndarray) -> Graph:

@@ -21,7 +21,7 @@ TEST(Run, TakesAllWindowsAndEndsTheSession) {
   EXPECT_TRUE(run.asked.ended);
   EXPECT_EQ(run.asked.aborted, "");
   EXPECT_EQ(run.summary()["status"], "done");
-  EXPECT_NE(run.content("scene.textproto").find("name: \"free_run\""), std::string::npos);
+  EXPECT_NE(run.content("scene_as_run.textproto").find("name: \"free_run\""), std::string::npos);
 }
 
 TEST(Run, EndsEarlierWhereThatIsAsked) {
