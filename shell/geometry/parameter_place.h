@@ -13,13 +13,12 @@ constexpr double kOnEdge = 1e-6;  // [-]
 /// Returns the distance below which a place is on an edge: kOnEdge of the longer side of the parameter domain [m].
 double edge_tolerance(const Patch& patch);
 
-/// A place nearer to an edge than this share of an element is on it too. Parameters are lengths by a Gauss rule of two
-/// points an element. On arcs it errs by less than 1.7e-4 of an element where a quarter of a circle has two elements or
-/// more; where it has one, by more than this.
-constexpr double kOfElement = 2e-4;  // [-]
+/// Parameters are lengths by a Gauss rule of two points an element. Returns what it errs by along the middle line of
+/// the direction (0: u, 1: v) [m]: a place by the true length of an arc misses its end by so much.
+double length_error(const Patch& patch, int direction);
 
-/// Returns `p`, moved onto each edge that is nearer than the tolerance, or than kOfElement. Places further outside stay
-/// where they are: patch.contains() tells.
+/// Returns `p`, moved onto each edge that is nearer than the tolerance and the error of the length. Places further
+/// outside stay where they are: patch.contains() tells.
 Vec2 moved_onto_edges(const Patch& patch, const Vec2& p);
 
 /// Returns "from 0 to 1.1 along u and from 0 to 2 along v". A place at a printed end is on the edge.

@@ -67,8 +67,8 @@ open({out!r}, "w").write(json.dumps(frames))
 """
 FOLLOWED = 20
 # Share of all pieces that frames draw at least: they draw back from cracks, which takes 1 - 0.99^2. They also omit
-# torn triangles. These are few, but one may be half of a small piece.
-DRAWN, DRAWN_OF_EACH = 0.97, 0.5
+# torn triangles, which are few.
+DRAWN, DRAWN_OF_EACH = 0.97, 0.94
 # Most that the drawn area of a piece grows where a new crack divides the triangles beside an old one, by share. Frames draw
 # each corner back by a hundredth of its way to the centre of the triangles around it; new triangles may be so small that they
 # draw nothing back.

@@ -1,6 +1,6 @@
 #pragma once
 // What the lattice adds to the turn of a bent crack; tips.cpp.
-#include "shell/fracture/constants.h"
+#include "shell/fracture/calibrated_constants.h"
 
 namespace sunder::validation {
 

@@ -159,7 +159,7 @@ void Fibres::advance_fibre(const ShellModel& m, ShellState& s, std::size_t p, in
                                 fibre_energy(m.fibres, before, c.before));
   }
   if (c.now != c.before && a.z() <= 1.0) {  // its share of that; layers that part release what is left
-    const double taken = f.half * damage_energy(m.fibres, c.before, c.now, before, a);
+    const double taken = f.half * damage_energy(m.fibres, c.before, c.now, before, after);
     (s.layers.heals ? s.book.healing : s.book.fracture) += taken;
     if (after != a) s.book.contact -= taken;
   }

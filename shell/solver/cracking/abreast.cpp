@@ -9,16 +9,17 @@ std::vector<double> shares_abreast(const ShellModel& m, const ShellState& s, con
                                    std::span<const Drive> drives) {
   const std::vector<Tip>& tips = s.cracks.tips;
   const double fall = 0.5 * kRadialFall / (r.tip_radius * r.tip_radius);
-  const auto shares = [&](std::size_t k) { return tips[k].alive && drives[k].release < 0.0; };
+  const double reach = std::pow(kReleaseLeast * m.spacing, 2);
   std::vector<double> out(tips.size(), 1.0);
-  for (std::size_t i = 0; i < tips.size(); ++i) {
+  std::vector<std::size_t> driven;  // by mean stress; most tips have ended, and are not looked at again
+  for (std::size_t i = 0; i < tips.size(); ++i)
+    if (tips[i].alive && drives[i].release < 0.0 && drives[i].ratio > 0.0) driven.push_back(i);
+  for (const std::size_t i : driven) {
     const double own = drives[i].ratio * drives[i].ratio;
-    if (!shares(i) || !(own > 0.0)) continue;
     double most = own, sum = own;
-    for (std::size_t k = 0; k < tips.size(); ++k) {
+    for (const std::size_t k : driven) {
       const double apart = (tips[k].p - tips[i].p).squaredNorm();
-      if (k == i || !shares(k) || !(apart < std::pow(kReleaseLeast * m.spacing, 2)) ||
-          !(tips[k].direction.dot(tips[i].direction) > 0.0) ||
+      if (k == i || !(apart < reach) || !(tips[k].direction.dot(tips[i].direction) > 0.0) ||
           !s.cracks.graph.visible(tips[i].p, tips[k].p, tips[i].edge, tips[k].edge))
         continue;
       const double other = std::exp(-fall * apart) * drives[k].ratio * drives[k].ratio;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shell/fracture/constants.h"
+#include "shell/fracture/calibrated_constants.h"
 #include "shell/solver/interlock.h"
 
 namespace sunder::shell {
