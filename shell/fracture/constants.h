@@ -288,7 +288,8 @@ constexpr double kDamageTurn = 20.0 * std::numbers::pi / 180.0;
 /// [stress of complete damage]: points stretched further are rubble.
 /// calibrated on torn_sheet: by eye
 constexpr double kTornStress = 16.0;
-/// [of the area at rest]: a spent point is folded where a layer keeps less, and crushed where its middle does.
+/// [of the area at rest]: a spent point is folded where a layer keeps less, or less of a length than its middle does,
+/// and crushed where its middle keeps less.
 /// numerical: a sheet folded about a radius of its thickness leaves its pressed face half of its area. Such a fold is
 /// no longer thin. Its stiffness would set the step of the whole shell.
 constexpr double kFoldedArea = 0.6;

@@ -101,21 +101,32 @@ struct FaceStress {
   Sym2<T> low, high;
 };
 
-/// [of the reference metric's determinant]: a point whose metric has less bears no stress: its area is a fifth.
+/// Square of the share of area, and of length in any direction, below which a point bears no stress: a fifth.
 /// numerical: laws of the material say nothing of so much compression, and the step would become short
 constexpr double kCrushed = 0.04;
 
-/// True if a point bears stress. A point that is squeezed to less than a fifth of its area bears none, nor does one
-/// that is bent so sharply that a layer turns inside out. The test is made at the mid-surface and the outer layers.
+/// True if the metric `c` keeps more than the share above of the area of `a`, and of each length. What is drawn to
+/// several times its length keeps its area while it is pressed to nothing across.
+template <class T>
+[[gnu::always_inline]] inline auto keeps_shape(const Sym2<T>& c, const Sym2<T>& a) {
+  const T rest = determinant(a), mixed = c.c11 * a.c22 + c.c22 * a.c11 - 2.0 * c.c12 * a.c12;
+  // the smaller eigenvalue of a^-1 c exceeds the share where det(c - share a) > 0
+  const T now = determinant(c), across = mixed - kCrushed * rest;
+  auto good = now > kCrushed * rest;
+  good = good & (now > kCrushed * across);
+  // a metric that is inside out in both directions has a positive determinant and a negative trace
+  good = good & (c.c11 + c.c22 > 0.0);
+  return good;
+}
+
+/// True if a point bears stress. A point that is squeezed to less than a fifth of its area or of a length bears none,
+/// nor does one that is bent so sharply that a layer turns inside out. The test is made at the mid-surface and the
+/// outer layers.
 template <class T>
 [[gnu::always_inline]] inline auto bears(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers) {
-  auto good = determinant(f.a) > kCrushed * determinant(ref.a);
-  for (const double z : {layers.zeta.front(), layers.zeta.back()}) {
-    const Sym2<T> c = at_height(f.a, f.b, z);
-    const Sym2<T> a = at_height(ref.a, ref.b, z);
-    // a metric that is inside out in both directions has a positive determinant and a negative trace
-    good = good & (determinant(c) > kCrushed * determinant(a)) & (c.c11 + c.c22 > 0.0);
-  }
+  auto good = keeps_shape(f.a, ref.a);
+  for (const double z : {layers.zeta.front(), layers.zeta.back()})
+    good = good & keeps_shape(at_height(f.a, f.b, z), at_height(ref.a, ref.b, z));
   return good;
 }
 

@@ -257,24 +257,36 @@ void tear(const ShellModel& m, ShellState& s, const DamageRules& r) {
   }
 }
 
-// Shares of its area at rest, beyond the flow, that a point keeps: [-], 0 where it is inside out.
-struct KeptArea {
-  double middle = 0.0;  // of the middle surface
-  double least = 0.0;   // the least of middle surface and layers, by the true curvature
+// Shares of its shape at rest, beyond the flow, that a point keeps: [-], 0 where it is inside out.
+struct Kept {
+  double middle = 0.0;  // of the area of the middle surface
+  double least = 0.0;   // of area, the least of middle surface and layers, by the true curvature
+  double folded = 0.0;  // of a length of the middle surface as it is, the least of layers
   bool bears = true;    // as the laws of the material see it
 };
 
-KeptArea kept_area(const ShellModel& m, const ShellState& s, const GatheredPoint& g) {
-  // a metric that is inside out in both directions has a positive determinant and a negative trace
-  const auto kept = [](const Sym2<double>& c, const Sym2<double>& a) {
-    return c.c11 + c.c22 > 0.0 ? std::sqrt(std::max(0.0, determinant(c)) / determinant(a)) : 0.0;
-  };
+// Share of area that the metric `c` keeps of `a`. A metric that is inside out in both directions has a positive
+// determinant and a negative trace.
+double kept_area(const Sym2<double>& c, const Sym2<double>& a) {
+  return c.c11 + c.c22 > 0.0 ? std::sqrt(std::max(0.0, determinant(c)) / determinant(a)) : 0.0;
+}
+
+// The least share of a length. A fold that is drawn lengthwise keeps its area while its layers are pressed across.
+double kept_length(const Sym2<double>& c, const Sym2<double>& a) {
+  if (kept_area(c, a) == 0.0) return 0.0;
+  const double half = 0.5 * (c.c11 * a.c22 + c.c22 * a.c11 - 2.0 * c.c12 * a.c12) / determinant(a);
+  const double product = determinant(c) / determinant(a);  // of both squares
+  return std::sqrt(product / (half + std::sqrt(std::max(0.0, half * half - product))));
+}
+
+Kept kept_shape(const ShellModel& m, const ShellState& s, const GatheredPoint& g) {
   const Layers& layers = m.tables.layers;
   const int count = static_cast<int>(layers.zeta.size());
   const Forms<double> f = surface_forms(gather(m.tables, g, s.motion.x));
   const OnePlace place{m.tables, g.block, g.lane};
   Sym2<double> middle = g.metric.a;
-  KeptArea out{0.0, std::numeric_limits<double>::infinity(), bears(f, g.metric, layers)};
+  const double most = std::numeric_limits<double>::infinity();
+  Kept out{0.0, most, most, bears(f, g.metric, layers)};
   for (int l = 0; l < count; ++l) {
     Sym2<double> a = reference_at(g.metric, layers, l), flow{};
     if (s.yields()) {
@@ -284,9 +296,10 @@ KeptArea kept_area(const ShellModel& m, const ShellState& s, const GatheredPoint
     a = {a.c11 + flow.c11, a.c22 + flow.c22, a.c12 + flow.c12};
     const double share = layers.weight[l] / thickness_of(layers);
     middle = {middle.c11 + share * flow.c11, middle.c22 + share * flow.c22, middle.c12 + share * flow.c12};
-    out.least = std::min(out.least, kept(at_height(f.a, f.b, layers.zeta[l]), a));
+    const Sym2<double> c = at_height(f.a, f.b, layers.zeta[l]);
+    out.least = std::min(out.least, kept_area(c, a)), out.folded = std::min(out.folded, kept_length(c, f.a));
   }
-  out.middle = kept(f.a, middle);
+  out.middle = kept_area(f.a, middle);
   out.least = std::min(out.least, out.middle);
   return out;
 }
@@ -372,9 +385,10 @@ void release_folds(const ShellModel& m, ShellState& s) {
     GatheredPoint& g = s.cracked.gathered[i];
     PointDamage& d = s.cracked.damage[i];
     if (g.kind == PointKind::kDead || d.worst() < 1.0f) continue;
-    const KeptArea kept = kept_area(m, s, g);
+    const Kept kept = kept_shape(m, s, g);
     const bool crushed = kept.middle < kFoldedArea;
-    if (!crushed && (g.kind == PointKind::kLinear || kept.least >= kFoldedArea)) continue;
+    const bool folded = std::min(kept.least, kept.folded) < kFoldedArea;
+    if (!crushed && (g.kind == PointKind::kLinear || !folded)) continue;
     gather_point(m, s, g.block, g.lane);
     // a fold that bears nothing, as it is inside out, would bear again by its middle surface alone
     release_point(m, s, crushed || !kept.bears ? PointKind::kDead : PointKind::kLinear, g, d);

@@ -228,6 +228,23 @@ TEST(ExtractCracks, AFoldSharperThanItsThicknessBendsFreelyOnceSpent) {
   EXPECT_GT(free, 100);
 }
 
+// The area that its pressed layer keeps says nothing there.
+TEST(ExtractCracks, AFoldThatIsDrawnLengthwiseIsReleasedLikeAnother) {
+  const ShellModel m = panel(60, 0.2);
+  const auto released = [&](double drawn) {
+    ShellState s = spent_fold(m);
+    for (int i = 0; i < m.control_points(); ++i) s.motion.x[m.tables.component_stride + m.tables.slot(i)] *= drawn;
+    release_folds(m, s);
+    EXPECT_EQ(s.book.injected, 0.0);
+    int free = 0;
+    for (const GatheredPoint& g : s.cracked.gathered) free += g.kind == PointKind::kLinear;
+    return free;
+  };
+  const int as_it_is = released(1.0);
+  EXPECT_GT(as_it_is, 100);
+  EXPECT_EQ(released(8.0), as_it_is);
+}
+
 TEST(ExtractCracks, AFoldThatWasNeverSpentBendsAsBefore) {
   const ShellModel m = panel(60, 0.2);
   ShellState s = spent_fold(m);
