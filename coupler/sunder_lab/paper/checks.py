@@ -45,8 +45,8 @@ _HEAVY = ("block and tree bring many times the fracture energy, and the books mi
 _BULLET = ("the bullet brings many times the fracture energy, and the books miss a small part of that as it strikes")
 _DRESS = ("the dress gets short cracks in this size; the largest energy is many times their fracture energy, and the books miss "
           "a small part of it")
-_STRIPS = ("contact is felt at Gauss points; the free edge of an element that is drawn to several times its length "
-           "lies a fifth of that length beyond its last one, and may lie in the body")
+_STRIPS = ("contact is felt at Gauss points and at the edges of patches; a scrap that hangs on a crack has samples within it only, "
+           "and its corners may lie in the body")
 _PANE = "the pane snaps back as it shatters, in the last twentieth of the run; until then nothing is missing"
 
 # By size and name of the check.

@@ -73,12 +73,54 @@ struct Search {
   const Proxy& body;
   double margin, travel;              // [m]: of a candidate; in one substep
   std::vector<Proxy::Known>* before;  // distances of all samples, as they were last computed; null: they cost little
+  bool edges;                         // whether the edges of the patch have samples of their own
 
   int substeps_without_touch(double gap) const {
     const double free = std::max(0.0, gap - 0.5 * m.largest_thickness());
     return static_cast<int>(std::min(free / travel, static_cast<double>(kContactRefresh)));
   }
 };
+
+// Shape functions of a sample. At the edge of the patch they are those of its surface there. Where a crack has touched
+// the Gauss point, they are the point's own, continued to the edge along its tangents.
+void contact_functions(const ShellModel& m, const ShellState& s, const ContactCandidates::Sample& q,
+                       std::vector<GatheredFunction>& out) {
+  sample_functions(m, s, q.block, q.lane, out);
+  if (q.to_edge.isZero(0.0) || out.empty()) return;
+  const RowTables& t = m.tables;
+  const int point = s.cracked.point_of[static_cast<std::size_t>(q.block) * t.lanes + q.lane];
+  if (point < 0 || s.cracked.gathered[point].in_rows)
+    return patch_functions(m.patch, gauss_point(m.patch, t, q.block, q.lane).parameter + q.to_edge, t.stride, out);
+  for (GatheredFunction& f : out) f.n[0] += q.to_edge.x() * f.n[1] + q.to_edge.y() * f.n[2];
+}
+
+// Candidates at the edge of the patch beside `main`, which is one at `x`. The outermost Gauss points are a fifth of an
+// element within, and an element may be drawn to many times its length.
+void look_at_edges(const Search& k, const ContactCandidates::Sample main, const Vec3& x, Samples& found) {
+  if (!k.edges) return;
+  const RowTables& t = k.m.tables;
+  const int g = t.gauss, row = main.block / g, column = main.lane * g + main.block % g;
+  const auto beyond = [](int i, int count, const KnotVector& knots, double at) {
+    return i == 0 ? knots.begin() - at : i == count - 1 ? knots.end() - at : 0.0;
+  };
+  if (column > 0 && column < t.spans_u * g - 1 && row > 0 && row < t.spans_v * g - 1) return;
+  const Vec2 p = gauss_point(k.m.patch, t, main.block, main.lane).parameter;
+  const double u = beyond(column, t.spans_u * g, k.m.patch.knots_u, p.x()),
+               v = beyond(row, t.spans_v * g, k.m.patch.knots_v, p.y());
+  const auto look = [&](const Vec2& to_edge) {
+    thread_local std::vector<GatheredFunction> functions;
+    ContactCandidates::Sample q{main.block, main.lane, 0, {}, to_edge};
+    contact_functions(k.m, k.s, q, functions);
+    const Vec3 there = position(k.s, functions);
+    if (main.known.value - k.body.change_since(x, main.known) - (there - x).norm() >= k.margin) return;
+    q.known = k.body.known(there, k.body.distance(there, main.known.triangle));
+    q.first = k.substeps_without_touch(q.known.value);
+    if (q.known.value < k.margin) found.push_back(q);
+  };
+  if (u != 0.0) look({u, 0.0});
+  if (v != 0.0) look({0.0, v});
+  if (u != 0.0 && v != 0.0) look({u, v});
+}
 
 // Candidates of a tile. Where a distance from before tells that a sample is beyond the margin, or that it cannot touch
 // for some substeps, it is not computed.
@@ -109,12 +151,15 @@ void look_at_tile(const Search& k, int tile, int across, ContactCandidates& c, S
           const int first = k.substeps_without_touch(least);
           if (most < k.margin && first >= kLongEnough) {
             found.push_back({block, lane, first, known});
+            look_at_edges(k, found.back(), q.x, found);
             continue;
           }
         }
         known = k.body.known(q.x, k.body.distance(q.x, known.triangle));
         if (k.before) (*k.before)[sample] = known;
-        if (known.value < k.margin) found.push_back({block, lane, k.substeps_without_touch(known.value), known});
+        if (known.value >= k.margin) continue;
+        found.push_back({block, lane, k.substeps_without_touch(known.value), known});
+        look_at_edges(k, found.back(), q.x, found);
       }
 }
 
@@ -190,7 +235,7 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
       c.known[b].resize(c.places.size());
     }
     c.ids[b] = body.body.id;
-    const Search search{m, s, body, margin, travel, keeps ? &c.known[b] : nullptr};
+    const Search search{m, s, body, margin, travel, keeps ? &c.known[b] : nullptr, coefficients[b].hertz == 0.0};
     const int count = static_cast<int>(c.near.size());
     if (c.of_tile.size() < c.near.size()) c.of_tile.resize(count);
     const auto look = [&](int k) { look_at_tile(search, c.near[k], tiles.across, c, c.of_tile[k]); };
@@ -227,7 +272,7 @@ Vec3 normal_at(const ShellModel& m, const ShellState& s, const ContactCandidates
 void note_overlap(const ShellModel& m, const ShellState& s, const Proxy& body, Samples& all, std::size_t k,
                   std::vector<GatheredFunction>& functions, std::vector<ContactCandidates::Overlap>& found) {
   ContactCandidates::Sample& q = all[k];
-  sample_functions(m, s, q.block, q.lane, functions);  // a crack may have changed them
+  contact_functions(m, s, q, functions);  // a crack may have changed them
   if (functions.empty() || s.motion.detached[functions[0].slot]) return;
   const Vec3 x = position(s, functions);
   const double half = 0.5 * m.thickness_at(q.block, q.lane);
@@ -283,7 +328,7 @@ int list_pressed(const ShellModel& m, const ShellState& s, const Proxy& body, co
   for (std::size_t part = 0; part < c.parts; ++part)
     for (const ContactCandidates::Overlap& k : c.overlaps[part]) {
       const ContactCandidates::Sample& q = c.of_body[b][k.candidate];
-      sample_functions(m, s, q.block, q.lane, functions);
+      contact_functions(m, s, q, functions);
       ++touching;
       ContactCandidates::Pressed p{&k, c.functions.size(), functions.size(), body.inverse_mass_at(k.x), {}, {}};
       for (const auto& f : functions) p.inverse.diagonal().array() += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];

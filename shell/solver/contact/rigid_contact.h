@@ -21,6 +21,7 @@ struct ContactCandidates {
     int block, lane;
     int first = 0;  // number of substeps after the refresh in which it cannot touch
     Proxy::Known known{};
+    Vec2 to_edge = Vec2::Zero();  // of a sample at the edge of the patch: from its Gauss point to it, in parameters
   };
   std::vector<std::vector<Sample>> of_body;
   // Scratch of the search: positions of samples, computed once for all bodies.
