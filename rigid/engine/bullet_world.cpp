@@ -40,10 +40,23 @@ btVector3 velocity_at(const btCollisionObject& object, const btVector3& world_po
   return body->getVelocityInLocalPoint(world_point - body->getCenterOfMassPosition());
 }
 
-/// Moves both points of a contact to their middle. Bullet applies the impulse to each body at its own point. Where
-/// these are apart, friction, or a normal that has turned, would create angular momentum.
-void act_at_one_point(btManifoldPoint& point) {
-  point.m_positionWorldOnA = point.m_positionWorldOnB = 0.5 * (point.m_positionWorldOnA + point.m_positionWorldOnB);
+bool is_ball(const btCollisionObject& object) {
+  return object.getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
+}
+
+/// A contact's point of a body at its present pose. That of a ball is where the normal through its centre leaves it,
+/// and does not turn with the ball. `side`: 1 where the normal points into the body, -1 where it points out.
+btVector3 point_on(const btCollisionObject& object, const btVector3& local, const btVector3& normal, double side) {
+  if (!is_ball(object)) return object.getWorldTransform() * local;
+  const double radius = static_cast<const btSphereShape*>(object.getCollisionShape())->getRadius();
+  return object.getWorldTransform().getOrigin() - side * radius * normal;
+}
+
+/// Moves both points of a contact to one: that of a ball, else their middle. Bullet applies the impulse to each body at
+/// its own point. Where these are apart, friction, or a normal that has turned, would create angular momentum.
+void act_at_one_point(btManifoldPoint& point, const btCollisionObject& a, const btCollisionObject& b) {
+  btVector3 &on_a = point.m_positionWorldOnA, &on_b = point.m_positionWorldOnB;
+  on_a = on_b = is_ball(a) ? on_a : is_ball(b) ? on_b : 0.5 * (on_a + on_b);
 }
 
 /// Gap up to which contacts of two bodies are found [Bullet lengths]: the kept gap and the distance that the centres
@@ -189,7 +202,7 @@ bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
       // Set here instead of through Bullet's callbacks, which are process-wide.
       point.m_combinedFriction = pair_law.friction;
       point.m_combinedRestitution = 0.0;  // relax() applies it
-      act_at_one_point(point);
+      act_at_one_point(point, a, b);
       const btVector3 closing =
           velocity_at(b, point.getPositionWorldOnB()) - velocity_at(a, point.getPositionWorldOnA());
       rows_.push_back({&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, false, false});
@@ -334,11 +347,12 @@ void BulletWorld::relax(double window_s) {
   for (Row& row : rows_) {
     btManifoldPoint& point = *row.point;
     kept.push_back({point.m_appliedImpulse, point.m_appliedImpulseLateral1, point.m_appliedImpulseLateral2});
-    point.m_positionWorldOnA = row.first->getWorldTransform() * point.m_localPointA;
-    point.m_positionWorldOnB = row.second->getWorldTransform() * point.m_localPointB;
+    const btVector3& normal = point.m_normalWorldOnB;
+    point.m_positionWorldOnA = point_on(*row.first, point.m_localPointA, normal, 1.0);
+    point.m_positionWorldOnB = point_on(*row.second, point.m_localPointB, normal, -1.0);
     const double gap =
         (point.m_positionWorldOnA - point.m_positionWorldOnB).dot(point.m_normalWorldOnB) + row.allowance;
-    act_at_one_point(point);
+    act_at_one_point(point, *row.first, *row.second);
     if (row.left_out) continue;
     row.acted = point.m_appliedImpulse > 0.0;
     point.setDistance(row.acted || gap <= 0.0 ? 0.0 : kLeftOut);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 namespace sunder::rigid {
 namespace {
@@ -64,16 +65,19 @@ class Transit {
     const RigidBody& b = *movers_[i].body;
     return {b.mass, b.principal_inertia, pose.position, pose.orientation, velocity, spin};
   }
+  bool is_ball(int i) const { return std::holds_alternative<SphereShape>(movers_[i].body->shape); }
+  /// A contact's point. That of a ball does not turn with it.
   Vec3 point(int i, const Vec3& local, bool at_end) const {
-    const BodyMotion& m = at_end ? ends_[i].motion : movers_[i].body->motion;
-    return m.position + m.orientation * local;
+    const BodyMotion &start = movers_[i].body->motion, &m = at_end ? ends_[i].motion : start;
+    return m.position + (is_ball(i) ? start : m).orientation * local;
   }
   double gap_at_end(const Meeting& m) const {
     return m.normal.dot(point(m.first, m.first_point, true) - point(m.second, m.second_point, true)) + m.allowance;
   }
   SolverContact contact(const Meeting& m, bool at_end, double friction, double target) const {
-    const Vec3 middle = 0.5 * (point(m.first, m.first_point, at_end) + point(m.second, m.second_point, at_end));
-    return {slots_[m.first], slots_[m.second], middle, m.normal, friction, target, false};
+    const Vec3 one = point(m.first, m.first_point, at_end), other = point(m.second, m.second_point, at_end);
+    const Vec3 at = is_ball(m.first) ? one : is_ball(m.second) ? other : Vec3(0.5 * (one + other));
+    return {slots_[m.first], slots_[m.second], at, m.normal, friction, target, false};
   }
   std::vector<SolverJoint> joints() const {
     std::vector<SolverJoint> all = joints_;

@@ -139,6 +139,30 @@ TEST_P(EveryEngine, BallReboundsByItsRestitution) {
   EXPECT_NEAR(caller.body(1).motion.position.z() - 0.04, 0.25 * 0.2, 0.02 * 0.05);
 }
 
+// A ball slides over a floor and a box without friction, and turns. Each impulse goes through its centre, so its spin
+// stays. A contact that turns with the ball would have an arm of |w| H r, 2.5 mm here.
+TEST_P(EveryEngine, ASpinningBallReboundsWithItsSpin) {
+  RigidBody brick = box(2, Vec3(1.0, 1.0, 0.1), 1.0);
+  brick.is_static = true, brick.mass = 0.0, brick.principal_inertia = Vec3::Zero();
+  brick.motion.position = Vec3(0, 0, -0.1);
+  for (const RigidBody& below : {half_space(2), brick}) {
+    const auto engine = make();
+    engine->set_contact_laws({{0, 0, 0.0, 0.5}});
+    Caller caller(*engine, 1e-3, 0.0);
+    RigidBody ball = sphere(1, 0.05, 0.5);
+    ball.motion.position = Vec3(0, 0, 0.0512);
+    ball.motion.velocity = Vec3(1.0, 0, -2.0);
+    const Vec3 spin(3.0, 50.0, -7.0);
+    ball.motion.angular_momentum = ball.apply_inertia(spin);
+    caller.add(ball);
+    caller.add(below);
+    caller.run(3e-3);
+    EXPECT_NEAR((caller.body(1).angular_velocity() - spin).norm(), 0.0, 1e3 * GetParam().solved) << below.name;
+    EXPECT_NEAR((caller.body(1).motion.velocity - Vec3(1.0, 0, 1.0)).norm(), 0.0, 1e2 * GetParam().solved)
+        << below.name;
+  }
+}
+
 TEST_P(EveryEngine, BallsReboundTheSameBesideOthersThatTouch) {
   // The first and last body are boxes in contact, one island. Each ball is an island of its own.
   std::vector<BodyMotion> alone;
