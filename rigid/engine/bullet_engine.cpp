@@ -4,11 +4,13 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "rigid/engine/bullet_caches.h"
 #include "rigid/engine/bullet_shapes.h"
 #include "rigid/engine/bullet_world.h"
 #include "rigid/engine/checks.h"
+#include "rigid/engine/way_back.h"
 
 namespace sunder::rigid {
 namespace {
@@ -51,8 +53,19 @@ Quat free_flight(const RigidBody& body, const Vec3& momentum, double h) {
 struct Held {
   RigidBody body;  // the reference: Bullet's copies are in other units
   BulletShape shape;
-  std::unique_ptr<btRigidBody> rigid;   // null until the first window
-  std::unique_ptr<btRigidBody> mirror;  // null until rows()
+  std::unique_ptr<btRigidBody> rigid;          // null until the first window
+  std::unique_ptr<btRigidBody> mirror;         // null until rows()
+  std::unique_ptr<HullShape> hulls = nullptr;  // null until a rebound needs it, and where its corners define no faces
+  bool tried = false;                          // `hulls` has been asked for
+
+  const HullShape* faces() {
+    if (!std::exchange(tried, true)) try {
+        hulls = std::make_unique<HullShape>(make_hull_shape(body));
+      } catch (const Error&) {
+        // Bullet takes bodies whose corners nearly coincide
+      }
+    return hulls.get();
+  }
 };
 
 /// A body during a window. `linear` and `angular` are the velocities before the solve [Bullet units].
@@ -63,6 +76,9 @@ struct Transit {
   Vec3 spin = Vec3::Zero();  // [rad/s]
   btVector3 linear{0, 0, 0}, angular{0, 0, 0};
   btTransform pose = btTransform::getIdentity();
+  BodyMotion start = {};
+  Vec3 velocity = Vec3::Zero(), pull = Vec3::Zero();  // of the predicted motion, averages [m/s], [m/s^2]
+  Shift solved = {}, relaxed = {};                    // changes of velocities by the two solves [m/s], [rad/s]
 };
 
 /// Sets the average velocities that lead to the predicted state.
@@ -83,6 +99,10 @@ bool touched(const Transit& t) {
   const btRigidBody& rigid = *t.held->rigid;
   return !(rigid.getLinearVelocity() == t.linear && rigid.getAngularVelocity() == t.angular &&
            rigid.getWorldTransform() == t.pose);
+}
+
+Shift change(const btRigidBody& rigid, const btVector3& linear, const btVector3& angular) {
+  return {plain(rigid.getLinearVelocity() - linear) / kLengthScale, plain(rigid.getAngularVelocity() - angular)};
 }
 
 /// Motion at the end of the window: the predicted state plus the solver's changes of velocities and pose.
@@ -130,6 +150,7 @@ std::unique_ptr<btRigidBody> make_rigid(const Held& held) {
 struct BulletEngine::Impl {
   std::map<BodyId, Held> bodies;  // before the worlds, whose destructors refer to them
   std::map<std::uint32_t, Joint> joints;
+  std::set<std::pair<BodyId, BodyId>> linked;  // by joints; they do not collide
   BulletWorld world{BulletWorld::Use::kMove};
   BulletWorld mirror{BulletWorld::Use::kLook};  // rows() finds contacts here and leaves `world` unchanged
 
@@ -137,6 +158,7 @@ struct BulletEngine::Impl {
   void start_over(const WorldMemory& memory);
   std::set<BodyId> known(const std::vector<BodyId>& ids, const char* what) const;
   std::vector<Transit> match(const std::vector<PredictedState>& predicted);
+  void fly_on(double window_s, std::vector<Transit>& transits, const std::map<BodyId, BulletWorld::Bounce>& bounces);
 };
 
 /// Adds new bodies to the world by ascending id, in whatever order add() was called; then new joints.
@@ -163,6 +185,58 @@ std::vector<Transit> BulletEngine::Impl::match(const std::vector<PredictedState>
       bodies, predicted, [](const Held& held) { return held.body.is_static; },
       [&](Held& held, const BodyMotion& motion) { transits.push_back({.held = &held, .predicted = &motion}); });
   return transits;
+}
+
+/// Bodies that bounce leave their touch at its time, as far as nothing is in their way. The first solve has changed
+/// their velocities from the window's start, and the second one at its end: both do so at the touch.
+void BulletEngine::Impl::fly_on(double window_s, std::vector<Transit>& transits,
+                                const std::map<BodyId, BulletWorld::Bounce>& bounces) {
+  std::vector<Way> ways;
+  std::vector<Held*> helds;
+  std::vector<Transit*> movers;  // by way; null where static
+  std::map<BodyId, int> way_of;
+  auto next = transits.begin();
+  for (auto& [id, held] : bodies) {
+    way_of[id] = static_cast<int>(ways.size());
+    helds.push_back(&held), movers.push_back(held.body.is_static ? nullptr : &*next);
+    const BodyMotion& end = held.body.motion;
+    if (held.body.is_static) {
+      ways.push_back({&held.body, end, end});
+      continue;
+    }
+    const Transit& t = *next++;
+    const double bulge = 0.5 * window_s * (t.predicted->velocity - t.velocity).norm();
+    ways.push_back({&held.body, t.start, end, bulge, t.fast});
+  }
+  std::vector<Departure> departures;
+  std::vector<double> rests;
+  for (const auto& [id, bounce] : bounces) {
+    const int first = way_of.at(id), second = way_of.at(bounce.partner);
+    if (movers[second] && bounce.partner < id) continue;  // the pair is there
+    const double touch = bounce.touch, rest = window_s - touch;
+    const auto shift = [&](int i) -> Shift {
+      if (!movers[i]) return {};
+      const Shift &solved = movers[i]->solved, &relaxed = movers[i]->relaxed;
+      return {rest * relaxed.linear - touch * solved.linear, rest * relaxed.turn - touch * solved.turn};
+    };
+    departures.push_back({first, second, shift(first), shift(second)}), rests.push_back(rest);
+  }
+  const std::vector<double> shares = free_shares(
+      ways, departures, [&](int i) { return helds[i]->faces(); },
+      [&](int i, int k) { return linked.count(ordered(ways[i].body->id, ways[k].body->id)) > 0; });
+  for (std::size_t n = 0; n < departures.size(); ++n) {
+    const Departure& d = departures[n];
+    const bool on_static = !movers[d.first] || !movers[d.second];
+    for (const auto& [i, shift] : {std::pair(d.first, &d.first_shift), std::pair(d.second, &d.second_shift)}) {
+      if (!movers[i]) continue;
+      BodyMotion& end = helds[i]->body.motion;
+      if (shares[n] > 0.0) end = shifted(end, *shift, shares[n]);
+      const Vec3& pull = movers[i]->pull;  // it does not act in time that is left after a touch with a static body
+      if (shares[n] < 1.0 && on_static)
+        end.velocity -= (rests[n] - time_of(shares[n], shift->linear, end.velocity, pull, rests[n])) * pull;
+      helds[i]->rigid->setCenterOfMassTransform(bullet_pose(end));
+    }
+  }
 }
 
 std::set<BodyId> BulletEngine::Impl::known(const std::vector<BodyId>& ids, const char* what) const {
@@ -201,6 +275,7 @@ void BulletEngine::add_joint(const Joint& joint) {
   }
   if (!any_moves) reject_joint(joint, "nothing that it holds moves; leave it out");
   impl_->joints.emplace(joint.id, joint);
+  impl_->linked.insert(ordered(joint.first, joint.second));
 }
 
 void BulletEngine::release_joint(std::uint32_t id) { impl_->world.release_joint(id); }
@@ -223,6 +298,9 @@ void BulletEngine::advance(double window_s, const std::vector<PredictedState>& p
     t.held->rigid->setLinearVelocity(t.linear);
     t.held->rigid->setAngularVelocity(t.angular);
     t.pose = t.held->rigid->getWorldTransform();
+    t.start = t.held->body.motion;
+    t.velocity = plain(t.linear) / kLengthScale;
+    t.pull = 2.0 / window_s * (t.predicted->velocity - t.velocity);
   }
 
   const BulletWorld::Ahead ahead{
@@ -252,19 +330,27 @@ void BulletEngine::advance(double window_s, const std::vector<PredictedState>& p
 
   for (Transit& t : transits) {
     btRigidBody& rigid = *t.held->rigid;
+    t.solved = change(rigid, t.linear, t.angular);
     t.linear = plain(Vec3(kLengthScale * t.held->body.motion.velocity));
     t.angular = plain(t.held->body.angular_velocity());
     rigid.setLinearVelocity(t.linear);
     rigid.setAngularVelocity(t.angular);
   }
-  impl_->world.relax(window_s);
+  const auto bounces = impl_->world.relax(window_s, [&](BodyId id) {
+    const auto by_id = [](const Transit& t, BodyId sought) { return t.held->body.id < sought; };
+    const auto at = std::lower_bound(transits.begin(), transits.end(), id, by_id);
+    const bool moves = at != transits.end() && at->held->body.id == id;
+    return moves ? plain(Vec3(kLengthScale * at->pull)) : btVector3(0, 0, 0);
+  });
   for (Transit& t : transits) {
     const btRigidBody& rigid = *t.held->rigid;
     if (rigid.getLinearVelocity() == t.linear && rigid.getAngularVelocity() == t.angular) continue;
     RigidBody& body = t.held->body;
-    body.motion.velocity += plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
-    body.motion.angular_momentum += body.apply_inertia(plain(rigid.getAngularVelocity() - t.angular));
+    t.relaxed = change(rigid, t.linear, t.angular);
+    body.motion.velocity += t.relaxed.linear;
+    body.motion.angular_momentum += body.apply_inertia(t.relaxed.turn);
   }
+  if (!bounces.empty()) impl_->fly_on(window_s, transits, bounces);
 }
 
 std::vector<EngineState> BulletEngine::states() const {

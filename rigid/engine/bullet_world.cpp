@@ -205,10 +205,12 @@ bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
       act_at_one_point(point, a, b);
       const btVector3 closing =
           velocity_at(b, point.getPositionWorldOnB()) - velocity_at(a, point.getPositionWorldOnA());
-      rows_.push_back({&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, false, false});
+      rows_.push_back(
+          {&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, 0.0, false, false});
     }
   }
   update_allowances();
+  for (Row& row : rows_) row.gap = row.point->getDistance();
   if (solved.empty()) return !rows_.empty();
   bool any = false;
   for (Row& row : rows_) {
@@ -336,7 +338,34 @@ void BulletWorld::relax_joined(double window_s, int mode) {
   }
 }
 
-void BulletWorld::relax(double window_s) {
+std::vector<std::optional<Rebound>> BulletWorld::find_rebounds(double window_s,
+                                                               const std::function<btVector3(BodyId)>& pull) const {
+  std::vector<Strike> strikes;
+  std::set<BodyId> apart;  // their contacts are solved elsewhere
+  for (const Row& row : rows_) {
+    const BodyId first = BodyTag::id(*row.first), second = BodyTag::id(*row.second);
+    if (row.left_out) apart.insert(first), apart.insert(second);
+    const bool bounces = row.approach > kLengthScale * kImpactSpeed_m_s;
+    strikes.push_back({first, second, row.gap, row.approach,
+                       (pull(first) - pull(second)).dot(row.point->m_normalWorldOnB), bounces ? row.restitution : 0.0,
+                       row.point->m_appliedImpulse > 0.0 && !row.left_out});
+  }
+  return rebounds(
+      strikes, window_s, [&](BodyId id) { return bodies_.at(id)->isStaticObject(); },
+      [&](BodyId id) { return apart.count(id) > 0 || holds(id); });
+}
+
+std::map<BodyId, BulletWorld::Bounce> BulletWorld::relax(double window_s,
+                                                         const std::function<btVector3(BodyId)>& pull) {
+  const std::vector<std::optional<Rebound>> rebound = find_rebounds(window_s, pull);
+  std::map<BodyId, Bounce> bounces;
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    if (!rebound[k]) continue;
+    const Row& row = rows_[k];
+    const BodyId first = BodyTag::id(*row.first), second = BodyTag::id(*row.second);
+    if (!row.first->isStaticObject()) bounces[first] = {second, rebound[k]->touch};
+    if (!row.second->isStaticObject()) bounces[second] = {first, rebound[k]->touch};
+  }
   // Restitution is applied here and not in solve(). There a contact with a gap still closes it in the window, and
   // Bullet would subtract this closing speed from the rebound.
   struct Kept {
@@ -344,7 +373,8 @@ void BulletWorld::relax(double window_s) {
   };
   std::vector<Kept> kept;
   kept.reserve(rows_.size());
-  for (Row& row : rows_) {
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    Row& row = rows_[k];
     btManifoldPoint& point = *row.point;
     kept.push_back({point.m_appliedImpulse, point.m_appliedImpulseLateral1, point.m_appliedImpulseLateral2});
     const btVector3& normal = point.m_normalWorldOnB;
@@ -358,7 +388,7 @@ void BulletWorld::relax(double window_s) {
     point.setDistance(row.acted || gap <= 0.0 ? 0.0 : kLeftOut);
     if (row.acted && row.restitution > 0.0 && row.approach > kLengthScale * kImpactSpeed_m_s) {
       // Bullet's target velocity is -distance * erp / H
-      point.setDistance(-row.restitution * row.approach * window_s);
+      point.setDistance(-(rebound[k] ? rebound[k]->speed : row.restitution * row.approach) * window_s);
       point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
       point.m_contactERP = 1.0;
     }
@@ -386,6 +416,7 @@ void BulletWorld::relax(double window_s) {
     point.m_contactPointFlags &= ~BT_CONTACT_FLAG_HAS_CONTACT_ERP;
     point.m_contactERP = 0.0;
   }
+  return bounces;
 }
 
 WorldMemory BulletWorld::memory() const {

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "rigid/engine/bullet_joints.h"
 #include "rigid/engine/bullet_plane.h"
 #include "rigid/engine/bullet_tag.h"
+#include "rigid/engine/rebound.h"
 
 namespace sunder::rigid {
 
@@ -70,9 +72,15 @@ class BulletWorld {
   };
   /// Solves velocities, and moves poses out of penetration without changing velocities (split impulses).
   void solve(double window_s, const Ahead& ahead);
+  /// A body that leaves its touch within the window, and what it has touched.
+  struct Bounce {
+    BodyId partner = 0;
+    double touch = 0.0;  // since the window's start [s]
+  };
   /// Solves velocities at the present poses, for contacts that acted in solve() or touch now. Applies restitution to
-  /// contacts that closed fast enough.
-  void relax(double window_s);
+  /// contacts that closed fast enough. `pull`: a body's acceleration without them [Bullet lengths/s^2]. Returns the
+  /// moving bodies whose rebound is sound (rebound.h).
+  std::map<BodyId, Bounce> relax(double window_s, const std::function<btVector3(BodyId)>& pull);
 
   /// Use::kLook. Contacts of the listed bodies at the present poses. Bullet keeps points between calls, so that flat
   /// faces have four.
@@ -96,6 +104,7 @@ class BulletWorld {
     double approach;     // closing speed before solve() [cm/s]
     double restitution;  // [-]
     double allowance;    // overlap that is not pushed apart [cm]
+    double gap;          // before solve() [cm]
     bool acted;          // had an impulse in solve()
     bool left_out;       // the shell process has solved it
   };
@@ -107,6 +116,9 @@ class BulletWorld {
   /// A pair that overlaps when one of the two bodies is newborn may keep this overlap, because shards share faces with
   /// their neighbours. It is subtracted until they separate, and it never grows.
   void update_allowances();
+  /// The rebounds of relax(), by row.
+  std::vector<std::optional<Rebound>> find_rebounds(double window_s,
+                                                    const std::function<btVector3(BodyId)>& pull) const;
   /// The solve of relax() with joints; `mode`: Bullet's solver mode in solve().
   void relax_joined(double window_s, int mode);
   bool contacts_to_solve() const;

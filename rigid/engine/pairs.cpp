@@ -89,6 +89,7 @@ void Pairs::set_contact_laws(const std::vector<ContactLaw>& laws) {
 }
 
 void Pairs::leave_out(BodyId a, BodyId b) { left_out_.insert(ordered(a, b)); }
+bool Pairs::left_out(BodyId a, BodyId b) const { return left_out_.count(ordered(a, b)) > 0; }
 
 const ContactLaw& Pairs::law(const RigidBody& a, const RigidBody& b) const {
   const auto found = laws_.find(ordered(a.contact_group, b.contact_group));
@@ -108,7 +109,7 @@ std::vector<Meeting> Pairs::find(double window_s, const std::vector<Mover>& move
   std::vector<Meeting> meetings;
   std::vector<Touch> touches;
   for (auto [a, b] : overlapping(movers, boxes)) {
-    if (left_out_.count({movers[a].id, movers[b].id})) continue;
+    if (left_out(movers[a].id, movers[b].id)) continue;
     if (movers[a].body->is_static) std::swap(a, b);
     const Mover &first = movers[a], &second = movers[b];
     if (!come_together(first, second, window_s)) continue;

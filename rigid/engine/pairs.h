@@ -41,6 +41,7 @@ class Pairs {
   void set_contact_laws(const std::vector<ContactLaw>& laws);
   /// Bodies with a joint: from now on the two do not collide.
   void leave_out(BodyId a, BodyId b);
+  bool left_out(BodyId a, BodyId b) const;
 
   /// Contacts that may act in a window of `window_s` seconds, by pair of ids. `movers`: by ascending id.
   std::vector<Meeting> find(double window_s, const std::vector<Mover>& movers) const;

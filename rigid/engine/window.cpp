@@ -1,8 +1,14 @@
 #include "rigid/engine/window.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <utility>
 #include <variant>
+
+#include "rigid/engine/checks.h"
+#include "rigid/engine/rebound.h"
+#include "rigid/engine/way_back.h"
 
 namespace sunder::rigid {
 namespace {
@@ -28,24 +34,29 @@ Quat free_turn(RigidBody body, const Vec3& spin, double h) {
 class Transit {
  public:
   Transit(VelocitySolver& solver, double window_s, const std::vector<Mover>& movers,
-          const std::vector<const BodyMotion*>& ends, std::vector<Meeting> meetings, std::vector<SolverJoint> joints)
+          const std::vector<const BodyMotion*>& ends, std::vector<Meeting> meetings, std::vector<SolverJoint> joints,
+          const Beside& beside)
       : solver_(solver),
         h_(window_s),
         movers_(movers),
         meetings_(std::move(meetings)),
         joints_(std::move(joints)),
-        acted_(meetings_.size()) {
+        beside_(beside),
+        acted_(meetings_.size()),
+        solved_(movers.size()),
+        relaxed_(movers.size()) {
     auto next = ends.begin();
     for (const Mover& m : movers_) {
       ends_.push_back(*m.body);
       if (!m.body->is_static) ends_.back().motion = **next++;
+      given_.push_back(ends_.back().motion);
     }
   }
 
   /// Takes the window. Returns the bodies at its end.
   const std::vector<RigidBody>& run() {
     if (meetings_.empty() && joints_.empty()) return ends_;
-    if (solve()) push(), relax();
+    if (solve()) push(), relax(), fly_on();
     return ends_;
   }
 
@@ -100,6 +111,7 @@ class Transit {
       const Vec3 dv = s.velocity - movers_[i].velocity, dw = s.spin - movers_[i].spin;
       if (dv.isZero(0.0) && dw.isZero(0.0)) continue;
       any = true;
+      solved_[i] = {dv, dw};
       const RigidBody& start = *movers_[i].body;
       BodyMotion& end = ends_[i].motion;
       end.position += h_ * dv;
@@ -140,12 +152,14 @@ class Transit {
     gather(
         [&](std::size_t i) { return at(i, ends_[i].motion, ends_[i].motion.velocity, ends_[i].angular_velocity()); });
     const std::vector<SolverBody> before = solver_bodies_;
+    find_rebounds();
     std::vector<SolverContact> contacts;
     for (std::size_t k = 0; k < meetings_.size(); ++k) {
       const Meeting& m = meetings_[k];
       if (!acted_[k] && gap_at_end(m) > 0.0) continue;
       const bool bounces = acted_[k] && m.approach > kImpactSpeed;
-      contacts.push_back(contact(m, true, m.law->friction, bounces ? m.law->restitution * m.approach : 0.0));
+      const double target = rebounds_[k] ? rebounds_[k]->speed : bounces ? m.law->restitution * m.approach : 0.0;
+      contacts.push_back(contact(m, true, m.law->friction, target));
     }
     solver_.solve(h_, 0.0, solver_bodies_, joints(), contacts);
     for (std::size_t i = 0; i < movers_.size(); ++i) {
@@ -155,17 +169,95 @@ class Transit {
       if (dv.isZero(0.0) && dw.isZero(0.0)) continue;
       ends_[i].motion.velocity += dv;
       ends_[i].motion.angular_momentum += ends_[i].apply_inertia(dw);
+      relaxed_[i] = {dv, dw};
     }
   }
+
+  /// Mean acceleration of the predicted motion [m/s^2].
+  Vec3 pull(int i) const {
+    if (movers_[i].body->is_static) return Vec3::Zero();
+    return 2.0 / h_ * (given_[i].velocity - movers_[i].velocity);
+  }
+
+  /// The rebounds that are sound, by meeting.
+  void find_rebounds() {
+    std::vector<Strike> strikes;
+    for (std::size_t k = 0; k < meetings_.size(); ++k) {
+      const Meeting& m = meetings_[k];
+      const bool bounces = m.approach > kImpactSpeed;
+      strikes.push_back({movers_[m.first].id, movers_[m.second].id, m.gap, m.approach,
+                         m.normal.dot(pull(m.first) - pull(m.second)), bounces ? m.law->restitution : 0.0,
+                         acted_[k] != 0});
+      for (const int i : {m.first, m.second}) index_[movers_[i].id] = i;
+    }
+    const auto is_static = [&](BodyId id) { return movers_[index_.at(id)].body->is_static; };
+    const auto joined = [&](BodyId id) {
+      const int i = index_.at(id);
+      return beside_.elsewhere.count(id) > 0 || std::any_of(joints_.begin(), joints_.end(), [i](const SolverJoint& j) {
+               return j.first == i || j.second == i;
+             });
+    };
+    rebounds_ = rebounds(strikes, h_, is_static, joined);
+  }
+
+  /// Bodies that bounce leave their touch at its time, as far as nothing is in their way. The first solve has changed
+  /// their velocities from the window's start, and the second one at its end: both do so at the touch.
+  void fly_on() {
+    std::vector<Departure> departures;
+    std::vector<double> rests;
+    for (std::size_t k = 0; k < meetings_.size(); ++k) {
+      if (!rebounds_[k]) continue;
+      const int first = meetings_[k].first, second = meetings_[k].second;
+      const auto same = [&](const Departure& d) { return d.first == first && d.second == second; };
+      if (std::any_of(departures.begin(), departures.end(), same)) continue;
+      const double touch = rebounds_[k]->touch, rest = h_ - touch;
+      const auto shift = [&](int i) -> Shift {
+        return {rest * relaxed_[i].linear - touch * solved_[i].linear,
+                rest * relaxed_[i].spin - touch * solved_[i].spin};
+      };
+      departures.push_back({first, second, shift(first), shift(second)}), rests.push_back(rest);
+    }
+    if (departures.empty()) return;
+    std::vector<Way> ways;
+    for (std::size_t i = 0; i < movers_.size(); ++i) {
+      const Mover& m = movers_[i];
+      const double bulge = 0.5 * h_ * (given_[i].velocity - m.velocity).norm();
+      ways.push_back({m.body, m.body->motion, ends_[i].motion, bulge, m.spin.norm() * h_ > kFastTurn});
+    }
+    const std::vector<double> shares = free_shares(
+        ways, departures, [&](int i) { return movers_[i].shape; },
+        [&](int i, int k) { return beside_.pass(movers_[i].id, movers_[k].id); });
+    for (std::size_t n = 0; n < departures.size(); ++n) {
+      const Departure& d = departures[n];
+      go_on(d.first, d.first_shift, shares[n], slots_[d.second] < 0 ? rests[n] : 0.0);
+      go_on(d.second, d.second_shift, shares[n], slots_[d.first] < 0 ? rests[n] : 0.0);
+    }
+  }
+  /// `rest`: time after a touch with a static body [s], else 0. What it cannot fly of that, the pull does not act in.
+  void go_on(int i, const Shift& shift, double share, double rest) {
+    if (slots_[i] < 0) return;
+    BodyMotion& end = ends_[i].motion;
+    if (share > 0.0) end = shifted(end, shift, share);
+    if (share < 1.0) end.velocity -= (rest - time_of(share, shift.linear, end.velocity, pull(i), rest)) * pull(i);
+  }
+
+  struct Change {
+    Vec3 linear = Vec3::Zero(), spin = Vec3::Zero();
+  };
 
   VelocitySolver& solver_;
   double h_;
   const std::vector<Mover>& movers_;
   std::vector<Meeting> meetings_;
   std::vector<SolverJoint> joints_;  // in indices of movers
-  std::vector<char> acted_;          // by meeting: had an impulse in solve()
+  const Beside& beside_;
+  std::vector<char> acted_;  // by meeting: had an impulse in solve()
   std::vector<RigidBody> ends_;
-  std::vector<int> slots_;  // by mover
+  std::vector<BodyMotion> given_;                 // predicted, by mover
+  std::vector<Change> solved_, relaxed_;          // of velocities, by mover, in solve() and relax()
+  std::vector<std::optional<Rebound>> rebounds_;  // by meeting
+  std::map<BodyId, int> index_;                   // of movers that meet
+  std::vector<int> slots_;                        // by mover
   std::vector<SolverBody> solver_bodies_;
 };
 
@@ -173,8 +265,8 @@ class Transit {
 
 std::vector<RigidBody> take_window(VelocitySolver& solver, double window_s, const std::vector<Mover>& movers,
                                    const std::vector<const BodyMotion*>& ends, std::vector<Meeting> meetings,
-                                   std::vector<SolverJoint> joints) {
-  return Transit(solver, window_s, movers, ends, std::move(meetings), std::move(joints)).run();
+                                   std::vector<SolverJoint> joints, const Beside& beside) {
+  return Transit(solver, window_s, movers, ends, std::move(meetings), std::move(joints), beside).run();
 }
 
 }  // namespace sunder::rigid

@@ -110,10 +110,13 @@ void WindowEngine::advance(double window_s, const std::vector<PredictedState>& p
   impl_->pairs.remember(movers, meetings);
 
   const std::set<BodyId> out(solved.begin(), solved.end());
-  meetings.erase(
-      std::remove_if(meetings.begin(), meetings.end(),
-                     [&](const Meeting& m) { return out.count(movers[m.first].id) || out.count(movers[m.second].id); }),
-      meetings.end());
+  Beside beside{{}, [this](BodyId a, BodyId b) { return impl_->pairs.left_out(a, b); }};
+  const auto solved_there = [&](const Meeting& m) {
+    return out.count(movers[m.first].id) || out.count(movers[m.second].id);
+  };
+  for (const Meeting& m : meetings)
+    if (solved_there(m)) beside.elsewhere.insert({movers[m.first].id, movers[m.second].id});
+  std::erase_if(meetings, solved_there);
   const auto index = [&](BodyId id) {
     return static_cast<int>(std::lower_bound(movers.begin(), movers.end(), id,
                                              [](const Mover& m, BodyId wanted) { return m.id < wanted; }) -
@@ -135,7 +138,7 @@ void WindowEngine::advance(double window_s, const std::vector<PredictedState>& p
     joints.push_back(j);
   }
   const std::vector<RigidBody> there =
-      take_window(*impl_->solver, window_s, movers, ends, std::move(meetings), std::move(joints));
+      take_window(*impl_->solver, window_s, movers, ends, std::move(meetings), std::move(joints), beside);
   auto next = there.begin();
   for (auto& [id, held] : impl_->bodies) held.body.motion = next++->motion;
 }

@@ -16,7 +16,8 @@ namespace sunder::rigid {
 /// - There is no damping, sleeping, rolling resistance or gravity.
 /// - Coulomb friction acts along the slip.
 /// - Bodies that overlap in their first window, as shards of one pane do, may keep this overlap until they separate.
-/// - Restitution acts on the closing speed of the average velocities, from 0.05 m/s.
+/// - Restitution acts on the closing speed of the average velocities, from 0.05 m/s. A body that bounces on one other
+///   goes on from its touch, with the speeds of that time (rebound.h), as far as nothing is in its way (way_back.h).
 class WindowEngine : public Engine {
  public:
   explicit WindowEngine(std::unique_ptr<VelocitySolver> solver);

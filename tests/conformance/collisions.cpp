@@ -85,8 +85,9 @@ void meet(Suite& s, const Meeting& m) {
 }
 
 // Head-on impact at 2 m/s without gravity: ratio of the rebound speed, and place. The gap kGap_m is no whole number of
-// windows. An engine resolves a rebound at the begin or at the end of its window. A rebound at the begin puts the body
-// ahead, by its way there and back before the touch. One at the end makes it late, by its way back after the touch.
+// windows. An engine goes on from the touch for the rest of its window. One that resolves a rebound at the window's
+// begin puts the body ahead, by its way there and back before the touch. One that does so at its end makes it late, by
+// its way back after the touch. No engine may be further off than these two.
 constexpr double kGap_m = 0.0433, kFlight_s = 0.1;
 void bounce(Suite& s, const RigidBody& lower, const RigidBody& upper, double half_width) {
   for (const double restitution : {0.0, 0.5, 1.0}) {
@@ -107,12 +108,38 @@ void bounce(Suite& s, const RigidBody& lower, const RigidBody& upper, double hal
       const double before = std::fmod(kGap_m / 2.0 / kWindow_s, 1.0);  // the touch [of a window]
       const double least = -restitution / (1.0 + restitution) * (1.0 - before);
       const double off = std::isfinite(ahead) ? std::max({0.0, ahead - before, least - ahead}) : ahead;
-      s.report.check_error(
-          fmt::format("ahead_{:g}", restitution), ahead, 0.0, off, kPlaceTolerance,
-          fmt::format("its place, in ways there and back of a window: {:.2f} to {:.2f}", least, before));
+      s.report.check_error(fmt::format("ahead_{:g}", restitution), ahead, 0.0, std::abs(ahead), kPlaceTolerance,
+                           "its place, in ways there and back of a window");
+      s.report.check_error(fmt::format("within_{:g}", restitution), ahead, 0.0, off, kPlaceTolerance,
+                           fmt::format("the same: {:.2f} at a window's end to {:.2f} at its begin", least, before));
     }
     play.end();
   }
+}
+
+// An elastic sphere flies between two walls, with less room than it flies in a window and with more. An engine that
+// lets it go on from a touch must see what stands behind it.
+constexpr double kInsideTolerance_m = 1e-4;  // shapes are true to that (rest_*)
+void bounce_between(Suite& s) {
+  double inside = 0.0, off = 0.0;
+  for (const double room : {0.37e-3, 1.7e-3, 3e-3}) {
+    const auto wall = [&](BodyId id, double x) { return fixed(at(box(id, {0.01, 0.2, 0.2}), {x, 0, 0})); };
+    const double left = -0.05 - 0.3 * room, right = 0.05 + 0.7 * room;
+    Play play(s.target,
+              {{{wall(1, left - 0.01), moving(sphere(2, 0.05), {2.0, 0, 0}), wall(3, right + 0.01)}, law(0.0, 1.0), {}},
+               Vec3::Zero(),
+               kWindow_s});
+    for (int i = 0; i < 100; ++i) {
+      play.window();
+      const BodyMotion& now = play.body(2).motion;
+      inside = std::max({inside, left + 0.05 - now.position.x(), now.position.x() - right + 0.05});
+      const double error = std::abs(now.velocity.norm() / 2.0 - 1.0);
+      if (!(error <= off)) off = error;
+    }
+    play.end();
+  }
+  s.report.check("inside", inside, 0.0, kInsideTolerance_m, "greatest depth in a wall [m]");
+  s.report.check("speed", off, 0.0, kElasticTolerance, "greatest change, relative");
 }
 
 // Spheres fall beside two that touch and have the lowest and highest id. An engine that solves groups of touching
@@ -172,6 +199,10 @@ std::vector<Case> restitution_cases() {
        "the same of four, beside two that touch one another",
        {kSpheres, kHalfSpaces, kContact, kRestitution},
        [](Suite& s) { bounce_beside(s); }},
+      {"restitution_between_walls",
+       "an elastic sphere between two near walls",
+       {kSpheres, kBoxes, kContact, kRestitution},
+       [](Suite& s) { bounce_between(s); }},
       {"restitution_spheres",
        "the same of two spheres",
        {kSpheres, kContact, kRestitution},
