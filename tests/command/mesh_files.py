@@ -13,7 +13,8 @@ def read_ply(raw: bytes) -> dict[str, np.ndarray]:
     head, _, body = raw.partition(b"end_header\n")
     lines = [line.split() for line in head.decode("ascii").splitlines()]
     assert lines[0] == ["ply"] and lines[1] == ["format", "binary_little_endian", "1.0"]
-    sizes, out, at = {"float": "f", "int": "i", "uchar": "B"}, {}, 0
+    sizes, at = {"float": "f", "int": "i", "uchar": "B"}, 0
+    out: dict[str, Any] = {}
     elements: list[tuple[str, int, list[list[str]]]] = []
     for line in lines[2:]:
         if line[0] == "element":

@@ -114,27 +114,29 @@ class SyntheticRun:
         self._write_bodies(k, time_s, third)
         for part, name in parts + [(2, "bodies")]:
             self.entries.append(f'<DataSet timestep="{time_s!r}" part="{part}" file="frames/{name}_{k:06d}.vtp"/>')
-        part = self.folder / "frames.pvd.part"
-        part.write_text(
+        fresh = self.folder / "frames.pvd.part"
+        fresh.write_text(
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n<Collection>\n'
             + "\n".join(self.entries) + "\n</Collection>\n</VTKFile>\n")
-        part.rename(self.folder / "frames.pvd")
+        fresh.rename(self.folder / "frames.pvd")
 
     def _crack_edges(self, where: np.ndarray) -> np.ndarray:
         owner: dict[tuple[int, int], int] = {}
         found = []
         for triangle, cell in zip(self.triangles[where], self.cell[where]):
             for i, j in ((0, 1), (1, 2), (2, 0)):
-                key = tuple(sorted((int(triangle[i]), int(triangle[j]))))
+                a, b = int(triangle[i]), int(triangle[j])
+                key = min(a, b), max(a, b)
                 if owner.setdefault(key, int(cell)) != cell:
                     found.append(key)
         return np.array(found, int).reshape(-1, 2)
 
     def _write_bodies(self, k: int, time_s: float, third: int) -> None:
-        points, triangles, body, kind = [], [], [], []
+        points: list[np.ndarray] = []
+        triangles, body, kind = [], [], []
 
         def add(p: np.ndarray, t: np.ndarray, number: int, sort: int) -> None:
-            triangles.append(t + sum(map(len, points)))
+            triangles.append(t + sum(len(one) for one in points))
             points.append(p)
             body.append(np.full(len(t), number))
             kind.append(np.full(len(t), sort))

@@ -8,6 +8,7 @@ import os
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools.places import BUILD_DIR_VARIABLE
@@ -25,7 +26,9 @@ class Against(unittest.TestCase):
         write_executables(self.folder / "here")
         self.said, self.told = io.StringIO(), io.StringIO()
         environment = mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "here")})
-        for context in (environment, contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(self.told)):
+        contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
+            environment, contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(self.told))
+        for context in contexts:
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
 

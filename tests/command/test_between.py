@@ -68,7 +68,7 @@ class Lines(unittest.TestCase):
             return PolyData(at + [0, 0, -drop], line_points=np.arange(len(at)), line_bounds=np.arange(0, len(at) + 1, 2),
                             point_data={"displacement": np.tile([0, 0, -drop], (len(at), 1)).astype(float), "parameter": at},
                             cell_data={"shell": np.zeros(len(at) // 2), "time": np.zeros(len(at) // 2)})
-        old, new = [0, 0, 0, 1, 0, 0], [5, 5, 0, 6, 5, 0]
+        old, new = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [5.0, 5.0, 0.0, 6.0, 5.0, 0.0]
         frames = [made(0.0, {CRACKS: cracks([old], 0.0)}), made(1.0, {CRACKS: cracks([new, old], 0.8)})]  # one is new
         found = _between(Interval(frames[0], frames[1]), 0.5).read(CRACKS)
         assert found is not None

@@ -13,6 +13,7 @@ import threading
 import time
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools.command import build as command
@@ -35,9 +36,11 @@ class Building(unittest.TestCase):
         self.commands: list[list[str]] = []
         self.status = 0
         self.cad = self.dart = False
-        for context in (mock.patch.object(build, "REPOSITORY", self.root), contextlib.redirect_stderr(self.said),
-                        mock.patch.object(build, "ensure_installed"), mock.patch.object(build, "run_logged", self.run_fake),
-                        mock.patch.dict(os.environ), mock.patch.object(first_use, "_built_in", None)):
+        contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
+            mock.patch.object(build, "REPOSITORY", self.root), contextlib.redirect_stderr(self.said),
+            mock.patch.object(build, "ensure_installed"), mock.patch.object(build, "run_logged", self.run_fake),
+            mock.patch.dict(os.environ), mock.patch.object(first_use, "_built_in", None))
+        for context in contexts:
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
         os.environ.pop(BUILD_DIR_VARIABLE, None)
@@ -395,7 +398,8 @@ class Installing(unittest.TestCase):
 class Logged(unittest.TestCase):
     def test_output_status_and_lines(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
-            log, lines = Path(folder) / "log", []
+            log = Path(folder) / "log"
+            lines: list[str] = []
             self.assertEqual(logged.run_logged(["sh", "-c", "echo one; echo two >&2; exit 7"], log, None, lines.append), 7)
             self.assertEqual(lines, ["one", "two"])
             self.assertEqual(logged.tail(log, 1), "two")

@@ -42,13 +42,13 @@ class Scenes(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for scene in made:
                 copy = Path(shutil.copy(scene, folder))
-                spacing = re.search(r"^# begin car: made by make_car.py --spacing (\S+)$", scene.read_text(), re.M)[1]
+                (spacing,) = re.findall(r"^# begin car: made by make_car.py --spacing (\S+)$", scene.read_text(), re.M)
                 # what stood there must not matter
                 copy.write_text(re.sub(r"(?s)(# begin car).*?(# end car)", r"\1\n\2", copy.read_text()))
                 subprocess.run([sys.executable, "-B", SCENES / "make_car.py", "--spacing", spacing, copy], check=True,
                                stdout=subprocess.DEVNULL)
                 if "# begin tree" in scene.read_text():
-                    notch = re.search(r"^# begin tree: made by make_tree.py(?: --notch (\S+))?$", scene.read_text(), re.M)[1]
+                    (notch,) = re.findall(r"^# begin tree: made by make_tree.py(?: --notch (\S+))?$", scene.read_text(), re.M)
                     notch_deg = float(notch) if notch else None
                     make_tree.replace_part(copy, "tree", make_tree.made_by(notch_deg), make_tree.scene_text(notch_deg))
                 self.assertEqual(copy.read_text(), scene.read_text(), f"{scene.name}: run its scripts again")

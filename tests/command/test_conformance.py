@@ -9,6 +9,7 @@ import os
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools import errors
@@ -61,10 +62,12 @@ class Suites(unittest.TestCase):
                             if "conformance" in name else "#!/bin/sh\necho alpha beta\n")
             path.chmod(0o755)
         self.said, self.told = io.StringIO(), io.StringIO()
-        under_node = mock.patch.object(engines, "NODE_PROGRAMS", {})
-        for context in (mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")}), under_node,
-                        mock.patch.object(conformance, "KNOWN", self.folder),
-                        contextlib.redirect_stdout(self.told), contextlib.redirect_stderr(self.said)):
+        under_node: Any = mock.patch.object(engines, "NODE_PROGRAMS", {})
+        contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
+            mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")}), under_node,
+            mock.patch.object(conformance, "KNOWN", self.folder),
+            contextlib.redirect_stdout(self.told), contextlib.redirect_stderr(self.said))
+        for context in contexts:
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
 

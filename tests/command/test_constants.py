@@ -101,8 +101,9 @@ class Constants(unittest.TestCase):
         good = ["R [h]: a radius.", "numerical: chosen"]
         self.assertEqual(complaints(good), [])
         self.assertEqual(complaints(["[rad]: an angle.", "more of it.", "calibrated on bar: fitted"]), [])
-        for bad in ([], good[:1], good[1:], ["R: a radius.", good[1]], [good[0], "numerical:"], [good[0], "guessed: so"],
-                    [good[0], "calibrated: fitted"]):
+        wrong: tuple[list[str], ...] = ([], good[:1], good[1:], ["R: a radius.", good[1]], [good[0], "numerical:"],
+                                        [good[0], "guessed: so"], [good[0], "calibrated: fitted"])
+        for bad in wrong:
             self.assertNotEqual(complaints(bad), [], str(bad))
         self.assertEqual(names("constexpr double kA = 1.0, kB = 2.0;\nconstexpr double kC[] = {1.0};\n  static constexpr int kD = 3;\n"),
                          ["kA", "kB", "kC", "kD"])

@@ -144,7 +144,7 @@ class Engine(DoubleEngine, DartCase):
 
 class Refusals(DartCase):
     def test_what_the_engine_cannot(self) -> None:
-        flat = {"convex": {"parts": [{"corners": [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]}]}}
+        flat: dict[str, Any] = {"convex": {"parts": [{"corners": [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]}]}}
         for shape, says in ((flat, "must enclose some; leave flat parts out"), ({"half_space": True}, "half space that moves")):
             session = self.anew()
             session.ask(PROTOCOL)

@@ -12,6 +12,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools import places
@@ -43,7 +44,7 @@ class Environments(unittest.TestCase):
         work.mkdir(exist_ok=True)
         if user is not None:
             os.chown(work, user, user)
-        ids = {} if user is None else {"user": user, "group": user, "extra_groups": []}
+        ids: dict[str, Any] = {} if user is None else {"user": user, "group": user, "extra_groups": []}
         done = subprocess.run([*before, str(checkout / "coupler" / "sunder"), "run",
                                str(checkout / "scenes" / SCENE.name), "--until", UNTIL_S, "--out", out], cwd=work,
                               env=self.environment, capture_output=True, timeout=STUCK_S, check=False, **ids)

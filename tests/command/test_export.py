@@ -36,6 +36,7 @@ class Export(OfARun):
         for k in (0, 4, 8):
             ply = read_ply((folder / f"frame_{k:06d}.ply").read_bytes())
             shell, bodies = frames[k].read(SHELL), frames[k].read(BODIES)
+            assert bodies is not None
             n, m = (len(shell.points), len(shell.triangles)) if shell is not None else (0, 0)
             points = np.stack([ply[f"vertex.{a}"] for a in "xyz"], axis=1)
             np.testing.assert_allclose(points[n:], bodies.points, atol=1e-7)  # single precision
@@ -88,7 +89,7 @@ class Sheets(InAFolder):
         super().setUp()
         (self.folder / "frames").mkdir()
         left, right = 0.5 - 0.5 * self.GAP, 0.5 + 0.5 * self.GAP
-        corners = [[0, 0], [left, 0], [left, 1], [0, 1], [right, 0], [1, 0], [1, 1], [right, 1]]
+        corners: list[list[float]] = [[0, 0], [left, 0], [left, 1], [0, 1], [right, 0], [1, 0], [1, 1], [right, 1]]
         self.points = np.array([[x, y, 0.0] for x, y in corners])
         self.triangles = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]])
         write_vtp(self.folder / "frames/shell.vtp", self.points, self.triangles, cell_data={

@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools import errors
@@ -23,9 +24,11 @@ class Fuzz(unittest.TestCase):
         (self.top / "proto").symlink_to(REPOSITORY / "proto")
         self.said = io.StringIO()
         self.program("fuzz_seeds", "pass")
-        for context in (mock.patch.object(fuzz, "REPOSITORY", self.top), mock.patch.object(fuzz, "_build"),
-                        mock.patch.object(fuzz, "ensure_installed"), contextlib.redirect_stdout(self.said),
-                        contextlib.redirect_stderr(self.said)):
+        contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
+            mock.patch.object(fuzz, "REPOSITORY", self.top), mock.patch.object(fuzz, "_build"),
+            mock.patch.object(fuzz, "ensure_installed"), contextlib.redirect_stdout(self.said),
+            contextlib.redirect_stderr(self.said))
+        for context in contexts:
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
 

@@ -72,7 +72,7 @@ class Gaps(unittest.TestCase):
         self.assertNotIn("--weld 0", said(rows(0.0, 20)), "every second point has none opposite")
 
     def test_the_report_says_what_joins_them(self) -> None:
-        told = {"element_m": 0.02, "faces": [{"face": 0, "refused": None}, {"face": 1, "refused": None}],
+        told: dict[str, Any] = {"element_m": 0.02, "faces": [{"face": 0, "refused": None}, {"face": 1, "refused": None}],
                 "edges": {"list": [edge([0], [[0, 0, 0], [1, 0, 0]]), edge([1], [[0, 0.002, 0], [1, 0.002, 0]])]}}
         self.assertIn("faces 0 and 1 nearly meet, up to 0.002 m apart", gap_lines(told)[0])
         self.assertIn("tolerance_m: 0.0022", gap_lines(told)[0])

@@ -23,7 +23,7 @@ SOLVER = {"shell/solver", *(f"shell/solver/{room}" for room in ("cracking", "joi
                                                                 "stepping"))}
 
 # what a room may include besides itself
-MAY = {
+MAY: dict[str, set[str]] = {
     "coupler/core": set(),
     "coupler/scene": {"coupler/core"},
     "coupler/link": {"coupler/core"},
@@ -51,7 +51,7 @@ MAY = {
 }
 
 # what a package of Python may import besides itself; "sunder_tools" alone is errors.py and places.py
-MAY_PYTHON = {
+MAY_PYTHON: dict[str, set[str]] = {
     "sunder_tools": set(),
     "sunder_tools.report": {"sunder_tools"},
     "sunder_tools.launch": {"sunder_tools", "sunder_tools.report"},

@@ -18,6 +18,9 @@ BUILD = Path(os.environ.get("SUNDER_BUILD_DIR") or REPOSITORY / "build" / "relea
 
 
 class Installation(unittest.TestCase):
+    root: Path
+    environment: dict[str, str]
+
     @classmethod
     def setUpClass(cls) -> None:
         if not os.access(BUILD / "coupler" / "single" / "sunder-single", os.X_OK):

@@ -8,6 +8,7 @@ import os
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools import errors
@@ -98,9 +99,11 @@ class Command(unittest.TestCase):
         write_executables(self.folder / "build")
         (self.folder / "shells.txt").write_text("share 0.6 coarse grid\n")
         self.said, self.told = io.StringIO(), io.StringIO()
-        for context in (mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")}),
-                        mock.patch.object(measure, "KNOWN", self.folder),
-                        contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(self.told)):
+        contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
+            mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")}),
+            mock.patch.object(measure, "KNOWN", self.folder),
+            contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(self.told))
+        for context in contexts:
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
 

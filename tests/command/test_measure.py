@@ -9,6 +9,7 @@ import os
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools import errors
@@ -37,7 +38,9 @@ class Measuring(unittest.TestCase):
         self.said = io.StringIO()
         environment = mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")})
         none = mock.patch.dict(experiments.EXPERIMENTS, {"shells": ()})  # whole runs have tests of their own
-        for context in (environment, none, contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO())):
+        contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
+            environment, none, contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO()))
+        for context in contexts:
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import subprocess
 import unittest
+from typing import Any
 
 import numpy as np
 
@@ -124,7 +125,7 @@ class Engine(DoubleEngine, MuJoCoCase):
 
 class Refusals(MuJoCoCase):
     def test_what_the_engine_cannot(self) -> None:
-        flat = {"convex": {"parts": [{"corners": [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]}]}}
+        flat: dict[str, Any] = {"convex": {"parts": [{"corners": [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]}]}}
         for shape, says in ((flat, "shape.parts[0] is no hull"), ({"half_space": True}, "half space that moves")):
             session = self.anew()
             session.ask(PROTOCOL)

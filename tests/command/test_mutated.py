@@ -6,6 +6,7 @@ import io
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools.errors import CommandError
@@ -20,8 +21,10 @@ class Mutated(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.replay = Path(folder.name) / "fuzz_replay"
-        for context in (contextlib.redirect_stdout(io.StringIO()), mock.patch.object(mutated, "BATCH", {"surface": 100, "cad": 10}),
-                        mock.patch.object(mutated, "program", lambda name: self.replay)):
+        contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
+            contextlib.redirect_stdout(io.StringIO()), mock.patch.object(mutated, "BATCH", {"surface": 100, "cad": 10}),
+            mock.patch.object(mutated, "program", lambda name: self.replay))
+        for context in contexts:
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
         self.good()

@@ -15,6 +15,7 @@ import tempfile
 import threading
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools.errors import CommandError
@@ -67,9 +68,11 @@ class Packages(unittest.TestCase):
         self.addCleanup(thread.join)
         self.addCleanup(server.shutdown)
         self.said = io.StringIO()
-        for context in (mock.patch.dict(os.environ, {node.REGISTRY_VARIABLE: f"http://127.0.0.1:{server.server_port}/"}),
-                        mock.patch.object(node.shutil, "which", lambda _: None),
-                        mock.patch.object(node.time, "sleep", lambda _: None), contextlib.redirect_stderr(self.said)):
+        contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
+            mock.patch.dict(os.environ, {node.REGISTRY_VARIABLE: f"http://127.0.0.1:{server.server_port}/"}),
+            mock.patch.object(node.shutil, "which", lambda _: None),
+            mock.patch.object(node.time, "sleep", lambda _: None), contextlib.redirect_stderr(self.said))
+        for context in contexts:
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
         self.serve("ball", "1.2.3", archive({"package/index.js": b"ball", "package/lib/deep.js": b"deep"}))

@@ -32,6 +32,7 @@ def files_of(folder: Path) -> set[Path]:
 class Installed(unittest.TestCase):
     root: Path
     python: Path
+    left: set[Path]
 
     @classmethod
     def setUpClass(cls) -> None:

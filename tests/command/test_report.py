@@ -8,6 +8,7 @@ import platform
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from sunder_tools.errors import PEER_LOST, CommandError
@@ -150,8 +151,10 @@ class Reporting(unittest.TestCase):
         self.rigid: str | None = None
         self.debs: list[Path | None] = []
         self.ratio = 1.01
-        for context in (contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO()),
-                        mock.patch.object(report, "circumstances", lambda build: WITH)):
+        contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
+            contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO()),
+            mock.patch.object(report, "circumstances", lambda build: WITH))
+        for context in contexts:
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
 

@@ -283,7 +283,8 @@ class RunCommand(unittest.TestCase):
 
     def test_a_folder_that_another_run_removes_meanwhile(self) -> None:
         out = self.here / "out"
-        real, removed = os.open, []
+        real = os.open
+        removed: list[Path] = []
 
         def vanishing(path: Path, flags: int) -> int:
             handle = real(path, flags)

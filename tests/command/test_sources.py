@@ -60,7 +60,7 @@ class Sources(unittest.TestCase):
         with tempfile.TemporaryDirectory() as cache:
             self.assertEqual(self.run_tool("mypy", "mypy", "--config-file", ".mypy.ini", "--cache-dir", cache,
                                            "coupler/sunder_tools", "coupler/sunder_lab", "coupler/sunder.py", "coupler/sunder_engine",
-                                           "proto/reference.py"), "")
+                                           "proto/reference.py", "tests"), "")
 
 
 if __name__ == "__main__":

@@ -133,8 +133,7 @@ def run_suite(suite: str, folder: Path, case: str | None = None, rigid: str | No
             elif suite in (BENCH, BENCH_RUNS):
                 ended = bench(None, numbers) if suite == BENCH else bench_runs(numbers)
             else:
-                ended = validate(suite, case, numbers, None, known=suite not in WITHOUT_LIST,
-                                 **({"rigid": rigid} if rigid else {}))
+                ended = validate(suite, case, numbers, None, known=suite not in WITHOUT_LIST, rigid=rigid)
         except CommandError as error:
             if error.status != PEER_LOST:
                 raise  # it could not begin: a build that fails, a program that is missing

@@ -52,10 +52,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _get_packages() -> None:
     """Packages that only tests need. Where they cannot be had, their tests are skipped."""
-    for what, get in (("the engines under Node.js", ensure_node), ("Slurm", _install(SLURM_PACKAGES)),
+    wanted: tuple[tuple[str, Callable[[], object]], ...] = (
+        ("the engines under Node.js", ensure_node), ("Slurm", _install(SLURM_PACKAGES)),
                       ("the sources", _install(LINT_PACKAGES)), ("plots", _install(PLOT_PACKAGES)),
                       ("a German locale", _install(LOCALE_PACKAGES)), ("films", _install(FILM_PACKAGES)),
-                      ("Blender", _install(BLENDER_PACKAGES)), ("the viewer", _ensure_viewer)):
+                      ("Blender", _install(BLENDER_PACKAGES)), ("the viewer", _ensure_viewer))
+    for what, get in wanted:
         _can_have(what, get)
 
 

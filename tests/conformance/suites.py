@@ -5,6 +5,7 @@ import json
 import math
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, CommandError
 from sunder_tools.launch import engines
@@ -83,7 +84,7 @@ def table(found: dict[str, dict[str, object]]) -> str:
 
 
 def run_suites(suite: Path, executables: Executables, case: str | None, chosen: str | None = None) -> tuple[
-        int, dict[str, dict[str, object]]]:
+        int, dict[str, dict[str, Any]]]:
     """Exit status, and what the suite wrote for each engine that could be asked. Engines under Node.js are left
     out, with the reason, where their packages cannot be had: they come from a registry. Where the user interrupts it,
     the last engine has what ran, and `left`, the names of its other cases."""

@@ -69,7 +69,8 @@ def readmes() -> list[Path]:
 def snippets(readme: Path) -> list[Snippet]:
     """The blocks of a README, in order. Raises ValueError where one is not closed."""
     out: list[Snippet] = []
-    begin, info, held = 0, "", []
+    begin, info = 0, ""
+    held: list[str] = []
     for number, line in enumerate(readme.read_text().splitlines(), 1):
         fence = re.match(r"\s*```(.*)$", line)
         if not begin and fence:

@@ -8,6 +8,7 @@ import tempfile
 import unittest
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 TOP = Path(__file__).resolve().parents[2]
 
@@ -22,7 +23,7 @@ def load_reference() -> ModuleType:
     return module
 
 
-REFERENCE = load_reference()
+REFERENCE: Any = load_reference()
 
 
 class Reference(unittest.TestCase):

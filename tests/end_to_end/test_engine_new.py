@@ -12,6 +12,7 @@ import tempfile
 import threading
 import unittest
 from pathlib import Path
+from typing import Any, Callable
 
 TOP = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ["SUNDER_BUILD_DIR"])
@@ -128,16 +129,16 @@ class Balls(Engine):
     name, capabilities = "balls", ("spheres",)
 
     def __init__(self) -> None:
-        self.held: list[object] = []
-        self.wrong = lambda states: states
+        self.held: list[Any] = []
+        self.wrong: Callable[[list[Any]], Any] = lambda states: states
 
-    def add(self, body: object) -> None:
+    def add(self, body: Any) -> None:
         self.held.append(self.state_of(body))
 
-    def advance(self, window_s: float, predicted: object, solved: object) -> None:
+    def advance(self, window_s: float, predicted: Any, solved: Any) -> None:
         pass
 
-    def states(self) -> list[object]:
+    def states(self) -> Any:
         return self.wrong(self.held)
 
 
@@ -150,12 +151,12 @@ class Checks(unittest.TestCase):
         self.sent = 0
         self.ask(hello={"protocol_min": 2, "protocol_max": 2})
 
-    def ask(self, **content: object) -> object:
+    def ask(self, **content: Any) -> Any:
         self.sent += 1
         reply = self.session.answer(exchange().Request(sequence=self.sent, **content).SerializeToString())
         return None if reply is None else exchange().Reply.FromString(reply)
 
-    def body(self, number: int = 1, **changed: object) -> dict[str, object]:
+    def body(self, number: int = 1, **changed: Any) -> dict[str, Any]:
         return {"id": number, "mass": 1.0, "principal_inertia": {"x": 1.0, "y": 1.0, "z": 1.0},
                 "orientation": {"w": 1.0}, "sphere_radius_m": 0.1, **changed}
 
@@ -167,12 +168,13 @@ class Checks(unittest.TestCase):
         self.refused("bad_body", BAD_INPUT, load={"bodies": [self.body(sphere_radius_m=None, half_space=True)]})
 
     def test_bodies_that_cannot_be(self) -> None:
-        for changed in ({"mass": 0.0}, {"principal_inertia": {"x": 1.0}}, {"sphere_radius_m": float("nan")}, {"id": 0}):
+        wrong: list[dict[str, Any]] = [{"mass": 0.0}, {"principal_inertia": {"x": 1.0}}, {"sphere_radius_m": float("nan")}, {"id": 0}]
+        for changed in wrong:
             self.setUp()
             self.refused("bad_message", PEER_LOST, load={"bodies": [self.body(**changed)]})
 
     def test_states_that_the_engine_may_not_give(self) -> None:
-        def off(states: list[object]) -> list[object]:
+        def off(states: list[Any]) -> list[Any]:
             states[0].position.x = float("inf")
             return states
 

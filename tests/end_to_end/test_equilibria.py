@@ -43,7 +43,7 @@ class Equilibria(unittest.TestCase):
     def sunder(self, text: str, command: str = "run") -> subprocess.CompletedProcess[str]:
         scene = self.folder / "scene.textproto"
         scene.write_text(text)
-        options = ["--out", self.folder / "out", "--no-pictures", "--quiet"] if command == "run" else []
+        options: list[str | Path] = ["--out", self.folder / "out", "--no-pictures", "--quiet"] if command == "run" else []
         return subprocess.run([TOP / "coupler" / "sunder", command, scene, *options], capture_output=True, text=True,
                               env={**os.environ, "SUNDER_BUILD_DIR": BUILD}, check=False)
 

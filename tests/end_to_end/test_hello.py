@@ -8,7 +8,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 from unittest import mock
 
 TOP = Path(__file__).resolve().parents[2]
@@ -46,7 +46,7 @@ class Hello(unittest.TestCase):
                 engines.hello(engine, built)
             self.assertIn(says, str(refused.exception))
             _, asking = started
-            self.assertIn("hello", asking.args)
+            self.assertIn("hello", cast("list[str]", asking.args))
             self.assertEqual(asking.returncode, -signal.SIGKILL)
 
     def test_an_engine_that_says_much_and_starts_slowly_is_waited_for(self) -> None:

@@ -252,7 +252,7 @@ class Ids(unittest.TestCase):
             run(self.folder, "export", str(self.folder), "--frames", "0,last", "--out", name)
             for file, whole in (("frame_000000.ply", 1), (sorted(p.name for p in Path(name).glob("*.ply"))[-1], 1 + len(rows))):
                 head, body = (Path(name) / file).read_bytes().split(b"end_header\n")
-                vertices, faces = (int(re.search(rf"element {what} (\d+)".encode(), head)[1]) for what in ("vertex", "face"))
+                vertices, faces = (int(found) for what in ("vertex", "face") for found in re.findall(rf"element {what} (\d+)".encode(), head))
                 face = np.frombuffer(body[vertices * 32:], [("n", "u1"), ("v", "<i4", 3), ("fragment", "<i4"), ("damage", "<f4"),
                                                             ("part", "<i4"), ("body", "<i4"), ("kind", "<i4"), ("side", "<i4")], faces)
                 broke = face["fragment"][(face["part"] >= 0) | np.isin(face["kind"], (1, 3))]

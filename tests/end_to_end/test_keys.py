@@ -114,7 +114,8 @@ class Encrypted(unittest.TestCase):
         self.assertEqual(again.returncode, 2, again.stderr)
         self.assertIn("no key is ever written over", again.stderr)
         hashes = set()
-        for number, options in enumerate(([], ["--keys", keys])):
+        ways: list[list[str | Path]] = [[], ["--keys", keys]]
+        for number, options in enumerate(ways):
             port = free_port()
             served = self.start(SUNDER, "serve", "--endpoint", f"tcp://127.0.0.1:{port}", *options)
             relay, out = Relay(port), self.root / f"out{number}"

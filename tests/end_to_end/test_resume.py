@@ -11,6 +11,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from typing import Any
 
 TOP = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ["SUNDER_BUILD_DIR"])
@@ -176,7 +177,7 @@ def sunder(*arguments: str) -> subprocess.CompletedProcess[str]:
                           text=True, timeout=1800, check=False)
 
 
-def process_names(events: list[dict[str, object]]) -> list[object]:
+def process_names(events: list[dict[str, Any]]) -> list[str]:
     """What a trace calls its processes."""
     return [event["args"]["name"] for event in events if event["name"] == "process_name"]
 

@@ -121,7 +121,7 @@ def _after_replay(cell: Cell) -> Ending:
 
 def _after_cut(cell: Cell) -> Ending:
     gone = cell.side == RIGID and cell.phase == BYE  # it has said goodbye
-    return Ending(PEER_LOST, ("peer_lost",), *((DONE,) if gone else (PEER_LOST, "peer_lost")))
+    return Ending(PEER_LOST, ("peer_lost",), DONE if gone else PEER_LOST, "" if gone else "peer_lost")
 
 
 def _after_kill(cell: Cell) -> Ending:
@@ -146,8 +146,9 @@ def _after_disk(cell: Cell) -> Ending:
 
 
 def _after_brim(cell: Cell) -> Ending:  # not even run.json can be replaced: the terminal has the reason, it stays whole
-    rigid = (DONE,) if cell.phase == BYE else (PEER_LOST, "peer_failed")
-    return Ending(BAD_INPUT, ("bad_output",), *rigid, run=(None,) if cell.phase in (HELLO, LOAD) else ("running",))
+    bye = cell.phase == BYE
+    return Ending(BAD_INPUT, ("bad_output",), DONE if bye else PEER_LOST, "" if bye else "peer_failed",
+                  run=(None,) if cell.phase in (HELLO, LOAD) else ("running",))
 
 
 @dataclass(frozen=True)

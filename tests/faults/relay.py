@@ -84,7 +84,8 @@ class Relay:
         try:
             rigid.connect(str(self._rigid_path))
         except OSError:  # not bound yet
-            connection.close(), rigid.close()
+            connection.close()
+            rigid.close()
             return
         self._had_both = True
         for name, s in ((SHELL, connection), (RIGID, rigid)):
@@ -92,6 +93,7 @@ class Relay:
             self._selector.register(s, selectors.EVENT_READ, self.sides[name])
 
     def _read(self, side: Side) -> None:
+        assert side.socket is not None
         try:
             data = side.socket.recv(1 << 20)
         except ConnectionResetError:

@@ -13,6 +13,7 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from . import wire
 from sunder_tools.launch.own_time import OwnTime
@@ -187,7 +188,7 @@ class Session:
         self._at = time.monotonic()
         return self._do(side, payload)
 
-    def _note_phase(self, request: object) -> None:
+    def _note_phase(self, request: Any) -> None:
         kind = request.WhichOneof("kind")
         self._phase = {"hello": HELLO, "load": LOAD, "bye": BYE}.get(kind, "")
         if kind == "window":
@@ -275,7 +276,7 @@ class Session:
                 outcome.wrong.append(f"the {side} process took {self._ended.get(side, float('inf')):.2f} s of their own to "
                                      f"end, at most {END_WITHIN_S:.1f} s")
 
-    def _run_json(self, wrong: list[str]) -> dict[str, object] | None:
+    def _run_json(self, wrong: list[str]) -> dict[str, Any] | None:
         try:
             return json.loads((self._out / "run.json").read_text())
         except FileNotFoundError:

@@ -342,12 +342,15 @@ class Refused(unittest.TestCase):
 
 class Whole(unittest.TestCase):
     """Figure 9 from the command line: four runs."""
+    out: Path
+    status: int
+    said: str
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.temporary.cleanup)
-        cls.out = Path(cls.temporary.name)
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.out = Path(temporary.name)
         cls.status, cls.said = sunder("--figure", "9", "--threads", "1", "--out", str(cls.out))
 
     def test_a_figure_is_run_drawn_and_on_the_page(self) -> None:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 import tempfile
 import time
 import unittest
@@ -17,6 +18,9 @@ SPEEDS = [50, 70, 1e9]  # [m/s]; at the last one the run is refused: a row of th
 
 @unittest.skipIf(why_not(), why_not())
 class Arrays(unittest.TestCase):
+    local: bytes
+    node: SlurmNode
+
     @classmethod
     def setUpClass(cls) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -34,7 +38,7 @@ class Arrays(unittest.TestCase):
         self.here = Path(self._folder.name)
         self.file = sweeps.write_file(self.here / "some.py", SPEEDS)
 
-    def slurm(self, out: Path, *more: str) -> "object":
+    def slurm(self, out: Path, *more: str) -> subprocess.Popen[str]:
         return sweeps.start(str(self.file), "--out", str(out), "--executor", "slurm", *more,
                             SLURM_CONF=self.node.environment["SLURM_CONF"])
 

@@ -61,10 +61,13 @@ def many(table: Table, executables: Executables) -> None:
     """Checks a pane that a blast breaks into a thousand pieces, with all cracks nucleated and propagated by
     themselves."""
     update, edges, stages = [], [], []
-    for end, settings in ((LATE_S, QUARTER), (EARLY_S, []), (LATE_S, [])):
+    ways: tuple[tuple[float, list[str]], ...] = (
+        (LATE_S, QUARTER), (EARLY_S, []), (LATE_S, []))
+    for end, settings in ways:
         with kept_run(executables, "pressed_plate.textproto", [*MANY, *settings, f"end_time_s={end}"]) as (folder, seconds):
             run = read_run(folder)
-            stages.append(run["time"]["stage_s"]), update.append(stages[-1]["crack_update"])
+            stages.append(run["time"]["stage_s"])
+            update.append(stages[-1]["crack_update"])
             graph, births = last_graph(folder), read_columns(folder / "shards.csv")["birth [s]"]
             edges.append(len(graph))
             if table.pictures is not None and end == LATE_S and not settings:

@@ -81,10 +81,9 @@ def check_folder(folder: Path) -> Findings:
 def joined(a: Findings, b: Findings) -> Findings:
     """Combines two shells of a run: adds faults and counts; takes frames and growing frames from the shell with the
     most."""
-    return Findings(max(a.frames, b.frames), max(a.growing, b.growing), *(
-        getattr(a, name) + getattr(b, name) for name in (
-            "edges", "cracks", "starts", "lost", "unconnected", "gaps", "apart", "doubled")),
-        notes=(a.notes + b.notes)[:MOST_NOTES])
+    sums = {name: getattr(a, name) + getattr(b, name) for name in (
+        "edges", "cracks", "starts", "lost", "unconnected", "gaps", "apart", "doubled")}
+    return Findings(max(a.frames, b.frames), max(a.growing, b.growing), **sums, notes=(a.notes + b.notes)[:MOST_NOTES])
 
 
 def element_side(shell: PolyData, of: np.ndarray | None = None) -> float:
@@ -114,7 +113,8 @@ def bulge_of(shell: PolyData, of: np.ndarray) -> np.ndarray:
     points, sides = reference_points(shell), _outer_sides(shell, of)
     ends: dict[int, list[int]] = {}
     for a, b in sides.tolist():
-        ends.setdefault(a, []).append(b), ends.setdefault(b, []).append(a)
+        ends.setdefault(a, []).append(b)
+        ends.setdefault(b, []).append(a)
     bend = np.zeros(len(points))
     for point, beside in ends.items():
         if len(beside) == 2:
@@ -226,11 +226,11 @@ def _gaps(now: Graph, spacing: float, border: np.ndarray, bulge: np.ndarray) -> 
     gaps = []
     for i, k in zip(*np.nonzero(degree[number] == 1)):
         end = now.ends[i, k]
-        near = _distance(end, now.ends) < GAP * spacing
-        near[i] = False
-        if not near.any() or (_distance(now.rest[i, k], border) < bulge + AT_BORDER * spacing).any():
+        is_near = _distance(end, now.ends) < GAP * spacing
+        is_near[i] = False
+        if not is_near.any() or (_distance(now.rest[i, k], border) < bulge + AT_BORDER * spacing).any():
             continue
-        near = np.flatnonzero(near)
+        near = np.flatnonzero(is_near)
         # The end has reached the edges that its own edge meets there, and edges connected to these.
         reached = np.concatenate([[i], near[_apart(now.ends[i], now.ends[near]) <= TOUCH * spacing]])
         for j in np.setdiff1d(near, reached):

@@ -118,7 +118,8 @@ def branching(table: Table, executables: Executables) -> None:
         if ratio is None:
             table.add(f"branching_{elements}_us", later * 1e6, 35.0, 0.2858, seconds)  # 25 to 45
             add_books(table, f"branching_{elements}", run)
-            x.append(100.0 / elements), y.append(later * 1e6)
+            x.append(100.0 / elements)
+            y.append(later * 1e6)
     table.add("branching_over_grids", float(np.max(y) / np.min(y)), 1.0, 0.15, 0.0)
     _draw(table, "branching", graphs, (0.1, 0.04))
     table.curves.append({"name": "crack divides", "x_label": "spacing [mm]", "y_label": "time [us]", "x": x, "y": y,
@@ -202,9 +203,11 @@ def share(table: Table, executables: Executables) -> None:
     """Measures the share of fracture in the time of windows with growing cracks, with few cracks and with many."""
     each = []
     fine = [f"shells[pane].plate.elements_{axis}={FINE_GLASS}" for axis in "xy"]
-    for name, scene, settings in (("glass", "glass.textproto", ["end_time_s=2e-3"]),
-                                  ("pressed_plate", "pressed_plate.textproto", []),
-                                  ("fine_glass", "glass.textproto", ["end_time_s=1e-3", *fine])):
+    ways: tuple[tuple[str, str, list[str]], ...] = (
+        ("glass", "glass.textproto", ["end_time_s=2e-3"]),
+        ("pressed_plate", "pressed_plate.textproto", []),
+        ("fine_glass", "glass.textproto", ["end_time_s=1e-3", *fine]))
+    for name, scene, settings in ways:
         with kept_run(executables, scene, settings) as (folder, seconds):
             run, edges = read_run(folder), len(last_graph(folder))
         grew = run["time"]["cracks_grew"]

@@ -59,7 +59,9 @@ def restitution(table: Table, executables: Executables) -> None:
         table.lines.append(f"restitution: radius {radius} m, lambda {inelasticity:.3f}, {found['time']['substeps']} "
                            f"substeps, energy residual {found['energy']['residual_relative']:.1e}, ledger "
                            f"{found['ledger']['linear_max']:.0e}")
-        x.append(inelasticity), computed.append(back), known.append(reference)
+        x.append(inelasticity)
+        computed.append(back)
+        known.append(reference)
     for name, y in (("restitution", computed), ("restitution, Zener", known)):
         table.curves.append({"name": name, "x_label": "lambda", "y_label": "restitution", "x": x, "y": y,
                              "logarithmic": False})
@@ -130,11 +132,12 @@ def over_stretch(table: Table, executables: Executables) -> None:
     from .stretch import separated_at, stretched_at, write_stretched  # numpy and PIL only now
     found = []
     parted = 0.0
-    for name, words, settings in (
-            ("healing", "damage heals", []),
-            ("maximum", "maximum damage", ["fracture.healing=false"]),
-            ("uncut", "damage heals, nothing is cut", ["fracture.extract_cracks=false"]),
-            ("maximum_uncut", "maximum damage, nothing is cut", ["fracture.healing=false", "fracture.extract_cracks=false"])):
+    ways: tuple[tuple[str, str, list[str]], ...] = (
+        ("healing", "damage heals", []),
+        ("maximum", "maximum damage", ["fracture.healing=false"]),
+        ("uncut", "damage heals, nothing is cut", ["fracture.extract_cracks=false"]),
+        ("maximum_uncut", "maximum damage, nothing is cut", ["fracture.healing=false", "fracture.extract_cracks=false"]))
+    for name, words, settings in ways:
         cut = not name.endswith("uncut")
         with kept_run(executables, "over_stretch.textproto", settings) as (folder, seconds):
             run = read_run(folder)

@@ -239,7 +239,8 @@ def strip(table: Table, executables: Executables) -> None:
             found = [_broken(executables, one) for one in strips]
             mean = [one.length / SIZE / len(sizes) for one, (sizes, _, _) in zip(strips, found)]
             sizes = found[-1][0]
-            means.append(mean[-1]), every.append(sizes / sizes.mean())
+            means.append(mean[-1])
+            every.append(sizes / sizes.mean())
             residuals += [residual for _, residual, _ in found]
             name = f"strip_{mode}_{rate:g}"
             table.add(f"{name}_size", mean[-1], published_size(rate), WITHIN, sum(seconds for _, _, seconds in found))

@@ -85,7 +85,8 @@ def round_pane(table: Table, executables: Executables) -> None:
     centre, radius = np.array([0.5 * ROUND, 0.5 * ROUND]), 0.0135
     names = ("harmonic", "harmonic_in_the_room", "length", "radials")
     groups: dict[str, list[list[complex]]] = {name: [] for name in names}
-    seconds, rows, residuals = 0.0, [], []
+    seconds, residuals = 0.0, []
+    rows: list[list[Graph | None]] = []
     for degrees in TURNS:
         half = 0.5 * math.radians(degrees)
         found: dict[str, list[complex]] = {name: [] for name in groups}
@@ -117,8 +118,8 @@ def round_pane(table: Table, executables: Executables) -> None:
     table.add("round_pane_radials_at_least", min(float(np.real(groups["radials"]).mean()), FEWEST_RADIALS), FEWEST_RADIALS,
               0.0, 0.0)
     _add_energy(table, "round_pane", residuals)
-    for name, values in groups.items():
-        chance = anova([np.array(v) for v in values])[1]
+    for name, of_turns in groups.items():
+        chance = anova([np.array(v) for v in of_turns])[1]
         table.add(f"round_pane_{name}_depends", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
         table.lines.append(f"round_pane: chance of so much difference between turns in {name} {chance:.2f}")
     table.lines.append(f"round_pane: mean harmonic of all {len(every)} runs {every.mean():.3f}; of one run some "

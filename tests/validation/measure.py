@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, Mapping
 
 from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError
 from sunder_tools.launch.build import ensure_built
@@ -225,7 +225,7 @@ def keep_judged(numbers: dict[str, float], report: Path | None) -> int:
     return judged(dict(numbers))
 
 
-def judged(numbers: dict[str, float | None]) -> int:
+def judged(numbers: Mapping[str, float | None]) -> int:
     """Prints numbers beside goals and limits; returns 1 where one is beyond its limit. JSON has null for one that is no
     number."""
     finite = {key: math.nan if value is None else value for key, value in numbers.items()}

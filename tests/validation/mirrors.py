@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from sunder_tools.launch.build import Executables
 from sunder_tools.pictures.crack_lines import Graph, grown, last_graph
@@ -38,8 +39,11 @@ def mirror(table: Table, executables: Executables) -> None:
         same_energy = 1.0 if kind == "stretched" else math.sqrt((1.0 + POISSON) / (3.0 * (3.0 + POISSON)))
         for elements in GRIDS:
             with kept_run(executables, "mirror.textproto", _settings(kind, stress, elements)) as (folder, seconds):
-                rows[-1].append(last_graph(folder))
-                found, run = grown(rows[-1][-1]), read_run(folder)
+                graph, run = last_graph(folder), read_run(folder)
+            if graph is None:
+                raise ValueError(f"mirror: no crack, {kind} at {stress:g} Pa on {elements} elements")
+            rows[-1].append(graph)
+            found = grown(graph)
             across = Graph(found.ends[:, :, ::-1], found.rest, found.crack, found.born)  # it runs along v
             length, when = first_division(across)
             mean, _ = front_speed(across, when if math.isfinite(when) else 30e-6)
@@ -59,7 +63,7 @@ def mirror(table: Table, executables: Executables) -> None:
             table.add(f"{name}_speed", mean, 0.5 * sum(SPEED), (SPEED[1] - SPEED[0]) / sum(SPEED), 0.0)
             table.add(f"{name}_taken", math.nan if taken is None else taken, 1.0, TAKEN, 0.0)
             add_books(table, name, run)
-    constants = [row for row in table.rows if row["name"].startswith("mirror_") and row["name"].endswith("_constant")]
+    constants = [row for row in table.rows if re.fullmatch(r"mirror_.*_constant", str(row["name"]))]
     table.add("mirror_constants", len(constants), 5.0, 0.0, 0.0)  # two stresses and three grids, less the unresolved one
     table.lines.append("mirror: bent, the faces press on one another at the closed side, as a hinge does; such a crack takes "
                        "less than the stress ahead of it says, and does not divide at this stress")

@@ -155,7 +155,8 @@ def follow(table: Table, executables: Executables) -> None:
             # a sheet that is not separated is stretched further and stores four times as much
             through[name] += bool(elastic[-1] < stored)
             if name == "matching":
-                late.append(when[-1] / arrival), off.append(np.abs(height - notch).max() * ELEMENTS / SIDE)
+                late.append(when[-1] / arrival)
+                off.append(np.abs(height - notch).max() * ELEMENTS / SIDE)
             most = max(most, run["energy"]["crack_injected"] / run["energy"]["dissipated_fracture"])
             table.add(f"follow_{name}_{1e4 * notch:.0f}_energy_residual", run["energy"]["residual_relative"], 0.0, 0.01, 0.0)
             table.lines.append(f"follow, {name}: " + _course(height - notch, when, run))

@@ -32,7 +32,8 @@ class Browser:
         self._folder = tempfile.TemporaryDirectory(prefix="browser-")
         self.requests: list[str] = []
         self.said: list[str] = []
-        self._number, self._buffer, self._answers = 0, b"", {}
+        self._number, self._buffer = 0, b""
+        self._answers: dict[int, dict[str, Any]] = {}
         to_read, self._to = os.pipe()
         self._from, from_write = os.pipe()
         arguments = [program, "--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--enable-unsafe-swiftshader",

@@ -72,6 +72,7 @@ class InABrowser(unittest.TestCase):
         """Every triangle of the frame is handed to the graphics."""
         frame = list_frames(self.folder)[k]
         shell, bodies = frame.read(SHELL), frame.read(BODIES)
+        assert shell is not None and bodies is not None
         wanted = len(bodies.triangles) if bodies is not None else 0
         if shell is not None:
             wanted += len(sheet_of(shell, scene_words(self.folder).thickness).triangles)
@@ -111,6 +112,8 @@ class RecordedRun(InABrowser):
 
 
 class Page(InABrowser):
+    run_: SyntheticRun
+
     @classmethod
     def make_run(cls) -> None:
         cls.run_ = SyntheticRun(cls.folder, elements=10, fragments=12, count=COUNT)
@@ -173,7 +176,9 @@ class Page(InABrowser):
                 self.assertGreater(self.differs(pictures[one], pictures[other]), 1000, f"{one} and {other} look alike")
         self.choose("lines", "false")
         self.assertGreater(self.differs(pictures["speed"], self.picture()), 200, "crack lines")
-        shell = len(list_frames(self.folder)[7].read(SHELL).triangles)
+        sheet = list_frames(self.folder)[7].read(SHELL)
+        assert sheet is not None
+        shell = len(sheet.triangles)
         self.choose("bodies", "false")
         self.choose("static", "false")
         self.assertEqual(self.browser.evaluate("document.body.dataset.triangles"), str(shell))
@@ -230,6 +235,7 @@ class Page(InABrowser):
         self.drawn(k)
         frame = list_frames(self.folder)[k]
         shell, bodies = frame.read(SHELL), frame.read(BODIES)
+        assert shell is not None and bodies is not None
         known = {f"piece {n}" for n in shell.of_triangles("fragment", 0)}
         known |= {f"{'piece' if kind in (1, 3) else 'body'} {n}"
                   for n, kind in zip(bodies.of_triangles("body", 0), bodies.of_triangles("kind", 0))}

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Sequence
+from typing import Any, Callable, Sequence
 
 from .rows import Outcome, Quantity, Refused, Row, Runner, Stable
 from .scenes import CLAMPED, GLASS, ball, material, scene, sheet
@@ -15,7 +15,7 @@ AT = 0.21132486540518713  # of an element: a Gauss point, so that the ball touch
 
 
 def struck(ratio: float, speed: float, *parts: str, restitution: float | None = None, elements: int = 8,
-           way: float = 2e-3, edges: str = "", sideways: float = 0.0, **fields: object) -> str:
+           way: float = 2e-3, edges: str = "", sideways: float = 0.0, **fields: Any) -> str:
     """A ball of `ratio` times the mass of a free sheet of 1 m and 10 mm flies onto it over GAP; ends when it has
     flown, or would have flown, `way` [m]."""
     radius, at = 0.8 / elements, AT / elements

@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Sequence
 
 from .bodies import AT
-from .rows import Outcome, Quantity, Refused, Row, Runner, Stable
+from .rows import Check, Outcome, Quantity, Refused, Row, Runner, Stable
 from .scenes import CLAMPED, GLASS, ball, material, message, scene, sheet
 
 BROKEN = 2e-2  # of the books with cracks: the program itself warns above
@@ -31,7 +31,7 @@ def grid(pieces: int, elements: int) -> str:
                  gravity=GRAVITY)
 
 
-def fallen(pieces: int) -> object:
+def fallen(pieces: int) -> Check:
     """All of them come off with all of the mass, and their centre falls freely."""
     def check(found: Outcome, runner: Runner) -> Sequence[Quantity]:
         del runner
@@ -85,7 +85,7 @@ def breaks(found: Outcome, runner: Runner) -> Sequence[Quantity]:
     return [Quantity("cracked", float(found.series["cracks"][-1] > 0.25), 1.0, 0.0)]
 
 
-def similar(scale: float, engine: str) -> object:
+def similar(scale: float, engine: str) -> Check:
     """Powers of two scale without round-off; the scene is written with 17 digits."""
     def check(found: Outcome, runner: Runner) -> Sequence[Quantity]:
         other = runner.compare_with(struck_pane(180e6), engine=engine)

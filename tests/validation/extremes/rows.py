@@ -148,13 +148,16 @@ class Stopped(Expectation):
         return Quantity("", _status_number(found), PHYSICS, 0.0)
 
 
+Check = Callable[[Outcome, "Runner"], Sequence[Quantity]]
+
+
 @dataclass(frozen=True)
 class Row:
     """A scene and what is expected of it. `check` compares with exact answers; `groups` name it for --case."""
     name: str
     scene: str
     expected: Expectation
-    check: Callable[[Outcome, "Runner"], Sequence[Quantity]] | None = None
+    check: Check | None = None
     limit_s: float = 60.0     # of processor time, some ten times what it takes: beyond it the row counts as one that hangs
     full: bool = False        # long: with --full, or by name
     processes: int = 1

@@ -1,9 +1,9 @@
 """Text of the scenes that `validate extremes` runs: a field a line, so that a refusal can be held to its line."""
 from __future__ import annotations
 
-from typing import Sequence
+from typing import Any, Sequence
 
-GLASS = {"density": 2500.0, "youngs_modulus": 70e9, "poisson_ratio": 0.22}
+GLASS: dict[str, Any] = {"density": 2500.0, "youngs_modulus": 70e9, "poisson_ratio": 0.22}
 TOUGH = {"strength": 1e15, "fracture_energy": 8.0}  # never reached
 
 
@@ -50,7 +50,7 @@ def ball(radius: float, position: tuple[float, float, float], velocity: tuple[fl
 
 
 def scene(end: float, window: float, *parts: str, gravity: float = 0.0, probes: Sequence[str] = (),
-          **fields: object) -> str:
+          **fields: Any) -> str:
     """`probes`: 'ball' a body of that name, 'u v' a point of the sheet, whose columns are then p0, p1..."""
     asked = []
     for k, probe in enumerate(probes):

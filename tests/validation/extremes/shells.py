@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Sequence
+from typing import Any, Callable, Sequence
 
 from .rows import Outcome, Quantity, Refused, Row, Runner, Stable, Stopped
 from .scenes import CLAMPED, GLASS, SIMPLE, material, message, scene, sheet, shell
@@ -24,12 +24,13 @@ def bending(thickness: float, young: float, poisson: float) -> float:
 
 
 def swing(thickness: float = 0.01, young: float = 70e9, poisson: float = 0.22, size: float = 1.0, degree: int | None = None,
-          windows: int = 50, **fields: object) -> str:
+          windows: int = 50, **fields: Any) -> str:
     """A simply supported plate under a pressure that is there at once, for 0.6 of its first period."""
     rigidity = bending(thickness, young, poisson)
+    changed: dict[str, Any] = {"youngs_modulus": young, "poisson_ratio": poisson}
     pressure = BENDING * thickness * rigidity / (0.00406235 * size ** 4)  # static deflection: Navier
     period = size * size / math.pi * math.sqrt(GLASS["density"] * thickness / rigidity)
-    glass = material(**{**GLASS, "youngs_modulus": young, "poisson_ratio": poisson})
+    glass = material(**GLASS | changed)
     return scene(0.6 * period, 0.6 * period / windows, glass,
                  sheet(size, thickness, ELEMENTS, SIMPLE, message("loads", {"pressure": pressure})),
                  probes=[f"{0.5 * size} {0.5 * size}"], **fields)
@@ -68,7 +69,7 @@ def flown(velocity: Sequence[float], end: float, at: str = "p0") -> Callable[[Ou
     return check
 
 
-def free(*parts: str, end: float = 1e-2, window: float = 1e-4, **fields: object) -> str:
+def free(*parts: str, end: float = 1e-2, window: float = 1e-4, **fields: Any) -> str:
     """Shells that fly; gravity and supports only where `parts` and `fields` say so."""
     return scene(end, window, material(**GLASS), *parts, **fields)
 
@@ -104,9 +105,10 @@ def curved(patch: str, fields: dict[str, object]) -> str:
 
 def squeezed(poisson: float) -> str:
     """Held on one edge, the opposite one driven towards it by nine tenths of the length."""
+    changed: dict[str, Any] = {"poisson_ratio": poisson}
     driven = "supports {\nedges: U_MAX\nkind: CLAMPED\nmotion { time_s: 0 }\n" \
              "motion { time_s: 0.01 displacement { x: -0.9 } }\n}"
-    return scene(0.01, 1e-4, material(**{**GLASS, "poisson_ratio": poisson}),
+    return scene(0.01, 1e-4, material(**GLASS | changed),
                  sheet(1.0, 0.01, 8, "supports {\nedges: U_MIN\nkind: CLAMPED\n}", driven))
 
 
