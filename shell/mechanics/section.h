@@ -101,7 +101,7 @@ struct FaceStress {
   Sym2<T> low, high;
 };
 
-/// Square of the share of area, and of length in any direction, below which a point bears no stress: a fifth.
+/// [-]: square of the share of area, and of length in any direction, below which a point bears no stress: a fifth.
 /// numerical: laws of the material say nothing of so much compression, and the step would become short
 constexpr double kCrushed = 0.04;
 
