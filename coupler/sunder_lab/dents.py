@@ -17,9 +17,9 @@ from .scene import Results, Scene
 
 @dataclass(frozen=True)
 class Dent:
-    """Dent of one shell, in the last frame of the shells: area at rest [m^2]; volumes between rest and present
-    shape, against its normal and along it [m^3]; largest displacement [m]; time of that frame [s]. All displacement
-    counts, also elastic displacement and the motion of a loose part as a whole."""
+    """Dent of one shell, in the last frame of the shells: area at rest [m^2], largest displacement [m], time of that
+    frame [s]. `pushed_in` and `pushed_out` are the volumes between rest and present shape, against its normal and along
+    it [m^3]. All displacement counts, also elastic displacement and the motion of a loose part as a whole."""
     area: float
     pushed_in: float
     pushed_out: float

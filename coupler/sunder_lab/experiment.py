@@ -31,9 +31,11 @@ To = Union[str, Sequence[str], Mapping[str, Callable[[Any], Value]], Callable[[S
 
 @dataclass(frozen=True)
 class Parameter:
-    """Values of a parameter, and the place in the scene that takes them: a path; several paths with the same value;
-    paths with a function of the value (`{"bodies[ball].twist.linear.z": lambda speed: -speed}`); or a function that
-    changes the scene."""
+    """Values of a parameter, and the place in the scene that takes them.
+
+    `to` is a path, or several paths that get the same value. It may also be paths with a function of the value each
+    (`{"bodies[ball].twist.linear.z": lambda speed: -speed}`), or a function that changes the scene.
+    """
     values: Sequence[Any]
     to: To
 

@@ -171,10 +171,12 @@ def mass_of(scene: Any, body: Any) -> float:
 def energy_taken(results: Results, body: str | None = None, mass: float | None = None) -> dict[str, float]:
     """Returns the energy that the body lost, and its distribution at the end [J].
 
-    `lost` by the body; `motion` of all else (shell, shards, other bodies, and the body's own spin), `elastic` stored,
-    `fracture`, `plastic`, `faces` (crack faces that slide on each other and crush), `contact` (inelastic impacts and friction), `damping`, `frozen` and `handoff` (vibration that
-    frozen panes and rigid shards do not have), `engine` (contacts of the engine), `other` (healing, transfer); and
-    `missing`: what all of these leave open, which is the residual of the books and the work of gravity on shell and others.
+    `lost`: by the body. `motion`: of all else, which is shell, shards, other bodies, and the body's own spin.
+    `elastic`: stored. `fracture`, `plastic` and `damping`: taken by these.
+    `faces`: crack faces that slide on each other and crush. `contact`: inelastic impacts and friction.
+    `frozen` and `handoff`: vibration that frozen panes and rigid shards do not have.
+    `engine`: contacts of the engine. `other`: healing and transfer.
+    `missing`: the rest. It is the residual of the books, and the work of gravity on shell and others.
     """
     one, energy = motion(results, body, mass), results.energy
     out = {"lost": one.energy_lost,
@@ -226,14 +228,13 @@ def impact(body: str | None = None, mass: float | None = None, interval_s: float
 
     `residual_velocity_m_per_s` along the way in which it came, `impulse_N_s`, `contact_until_s`, `energy_..._J` as by
     `energy_taken`, and `crack_length_m`. `settled` is 1 where it was touched and the last contact ended before the last
-    two hundredths of the record; where it is 0 it has not arrived or may still be pushed, and `end_time_s` is too short for
-    final values.
+    two hundredths of the record. Where it is 0 it has not arrived or may still be pushed. Then `end_time_s` is too short
+    for final values.
 
     With `interval_s` also `mean_force_N`, the largest mean force over an interval of this length, and
-    `mean_force_interval_s`, the length: at least four rows of the probe (a row a window, if `output.probe_interval_s` is no
-    longer), better ten; keep it where windows change. There is no peak of
-    the force without an interval: the default contact acts by impulses, so the force over a window grows without limit
-    as windows get shorter.
+    `mean_force_interval_s`, the length. It is at least four rows of the probe, better ten. A row is a window, if
+    `output.probe_interval_s` is no longer. Keep the interval where windows change. There is no peak of the force without
+    one: the default contact acts by impulses. So the force over a window grows without limit as windows get shorter.
     """
     forces = () if interval_s is None else ("mean_force_N", "mean_force_interval_s")
 

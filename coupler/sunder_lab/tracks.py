@@ -19,8 +19,8 @@ class Track:
     """A piece in the frames that show it, one after another: `time` [s], `centre` (3,) [m] of its mass.
 
     Of a shard it is the place in shards.csv. `area` is that at rest [m^2]; NaN from the frame on in which the piece is a body.
-    A frame draws a shell back from its cracks by a hundredth, so the area is less than that in shards.csv by some per cent, and
-    the centre of what is still in the shell is off by less than a hundredth of the distance between cracks.
+    A frame draws a shell back from its cracks by a hundredth, so the area is less than that in shards.csv by some per cent.
+    While a piece is in the shell, its centre is off by less than a hundredth of the distance between cracks.
     """
     time: list[float] = field(default_factory=list)
     centre: list[np.ndarray] = field(default_factory=list)

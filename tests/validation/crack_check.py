@@ -2,9 +2,9 @@
 
     PYTHONPATH=coupler /usr/bin/python3 -m tests.validation.crack_check RUN_FOLDER
 
-An earlier crack edge must be an edge of every later frame, a new one must hang on what was there or belong to a
-crack that starts, where a crack ends at another there must be no gap, and no crack runs on top of another. Each shell
-of a run has cracks of its own: what goes on over a seam starts there.
+An earlier crack edge must be an edge of every later frame. A new one must hang on an earlier one or belong to a crack
+that starts. Where a crack ends at another there must be no gap, and no crack runs on top of another. Each shell of a run
+has cracks of its own: a crack that goes on over a seam starts there.
 """
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def flap_scene() -> str:
 
 def flap_exponent(ends: np.ndarray, middle: float, width: float) -> float:
     """Returns the exponent p of width ~ (distance to the meeting point)^p from edges (n, 2, 2) [m] of two cracks on either
-    side of v = `middle`, where their width is below FARTHEST `width`; NaN where there are fewer than three such places."""
+    side of v = `middle`. Places count where their width is below FARTHEST `width`. NaN where they are fewer than three."""
     points = ends.reshape(-1, 2)
     meets = float(points[np.argmin(np.abs(points[:, 1] - middle)), 0])
     apart, left = 2.0 * np.abs(points[:, 1] - middle), meets - points[:, 0]

@@ -96,8 +96,8 @@ def gaps(runs: Runs, reference: Runs, own: Mapping[str, float], chance: bool) ->
 
 
 def own_errors(reference: Runs, next_finest: Runs) -> dict[str, float]:
-    """Of each quantity that both have and that is not zero: the difference to the next finest runs, which for one that is
-    the root of two coarser is the reference's error where convergence is of second order."""
+    """Of each quantity that both have and that is not zero: the difference to the next finest runs. Where these are coarser
+    by the root of two and convergence is of second order, that is the reference's error."""
     names = dict.fromkeys(name for run in reference.values() for name in run)
     found = {name: compared(next_finest, reference, name, False)[0] for name in names}
     return {name: error for name, error in found.items() if math.isfinite(error)}

@@ -54,9 +54,9 @@ class Taken:
 def taken(name: str, scene: Message, given: Sequence[str], accepted: Callable[[Sequence[str]], bool]) -> Taken:
     """Values of preset `name` for a scene. `given`: --set of the user.
 
-    `accepted` says whether the solver takes given settings: a window that a draft makes too long for a scene is halved, and
-    elements too large for a body that is to meet them are made smaller again, at most to the scene's own. What is refused
-    even so is left for the run to tell.
+    `accepted` says whether the solver takes given settings. A window that a draft makes too long for a scene is halved.
+    Elements too large for a body that is to meet them are made smaller again, at most to the scene's own. Settings that
+    are refused even so are refused by the run.
     """
     preset = PRESETS[name]
 

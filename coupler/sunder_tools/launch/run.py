@@ -197,8 +197,8 @@ def _launch(shell: list[str], rigid: engines.Rigid, executables: Executables, fo
             where = ["--engine", rigid.in_process] if rigid.in_process else ["--endpoint", endpoint]
             where += ["--rigid-process", str(processes[0].pid)] if processes else []
             program = executables.single if rigid.in_process else executables.shell
-            # Threads that spin while they wait for one another take the core that the other needs; those that sleep at
-            # once wake late, and a new crack edge is a few loops of tens of microseconds, which is what they spin for.
+            # Threads that spin while they wait for one another take the core that the other needs. Threads that sleep at
+            # once wake late. A new crack edge is a few loops of tens of microseconds, so they spin for as long.
             patient = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "2000"}
             environment = os.environ if patient.keys() & os.environ.keys() else {**os.environ, **patient}
             processes.append(subprocess.Popen([str(program), *shell, *where, "--die-with-parent"],

@@ -13,7 +13,7 @@ class Tee:
     """Give `child_end` to the process as stderr, close it here with `started`, then `join`.
 
     If the user's stderr is a terminal the child gets a pseudo-terminal, so that it still rewrites
-    its progress line; of a line that was rewritten with '\\r' only the last state goes to the log.
+    its progress line. Of a line that was rewritten with '\\r' only the last state goes to the log.
     """
 
     def __init__(self, log: Path) -> None:

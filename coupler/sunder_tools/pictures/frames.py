@@ -52,7 +52,7 @@ def choose_frames(frames: list[Frame], panels: int) -> list[Frame]:
     """Chooses `panels` frames, with the first and the last, in equal steps of change.
 
     Change counts growth of cracks, new shards, movement of shards, and the mere passing of frames,
-    each relative to its total over the run; so the breaking gets its panels although it takes a
+    each relative to its total over the run. So the breaking gets its panels, although it takes a
     thousandth of the time.
     """
     if len(frames) <= panels:

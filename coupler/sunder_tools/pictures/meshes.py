@@ -193,9 +193,9 @@ def _ball_centres(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) -
 
 def _shaded_shards(points: np.ndarray, triangles: np.ndarray,
                    body: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Returns points, triangles, normals of points, and sides of triangles for shards, which the shell process writes in pairs
-    of points, inside before outside (`thicken`, `draw_prisms`): smooth over both faces, flat at the edge, whose corners become
-    points of their own."""
+    """Returns points, triangles, normals of points, and sides of triangles for shards. The shell process writes shards in pairs
+    of points, inside before outside (`thicken`, `draw_prisms`). Normals are smooth over both faces and flat at the edge, whose
+    corners become points of their own."""
     ids, inverse = np.unique(body, return_inverse=True)
     first = np.full(len(ids), len(points))
     np.minimum.at(first, inverse, triangles.min(axis=1))

@@ -62,8 +62,9 @@ class _Shader:
 
     def clear(self, index: np.ndarray, world: np.ndarray, eye: np.ndarray, shadows: Shadows,
               opacity: float) -> tuple[np.ndarray, np.ndarray]:
-        """Returns for points of glass which share of what is behind them comes through (n, 3), and what they add (n, 3):
-        a mirror image of a bright sky over a dark ground, more of it at grazing angles, and some light of their own."""
+        """Returns for points of glass the share of the light from behind that comes through (n, 3), and the light that they
+        add (n, 3). They add a mirror image of a bright sky over a dark ground, more of it at grazing angles. They also add
+        some light of their own."""
         normal, facing = self._facing(index, world, eye)
         dark = shadows.on(world, normal)
         tint = np.take(self.base, index, axis=0)

@@ -44,7 +44,7 @@ def gaps_of_edges(edges: list[dict[str, Any]], reach_m: float) -> list[Gap] | No
 
 
 def gap_of_borders(borders: list[list[list[float]]]) -> tuple[int, Gap | None] | None:
-    """Counts the points on borders of a mesh beside which another stretch of border runs, and returns the widest such gap: its
+    """Counts the points on borders of a mesh beside which another stretch of border runs, and returns the widest such gap. Its
     width is a distance from an edge, and points that are welded have to be near points. None where there are too many."""
     if not borders:
         return 0, None

@@ -11,8 +11,8 @@ SMOOTH = 1e-5  # what the books miss without cracks and contact: round-off
 SUDDEN = 1e-3  # of a swing: what bends by strains of 1e-12 is known to so many digits
 BENDING = 0.03  # static deflection over thickness: linear to a thousandth
 ELEMENTS = 8
-# Lumped mass lowers a frequency by (k h)^2 / 6, 5 % of the first at eight elements, and the time of the way with it;
-# the slope of the way, half the peak times the frequency, makes that up to 4 % of the peak.
+# Lumped mass lowers a frequency by (k h)^2 / 6, 5 % of the first at eight elements, and the time of the way with it.
+# The slope of the way is half the peak times the frequency, so that makes up to 4 % of the peak.
 NAVIER = 0.06
 ROUND_OFF = 1e-15  # [m]
 ALIKE = 2e-3   # sheets of all thicknesses move alike but for terms of strain, here below this, and (thickness / length)^2
