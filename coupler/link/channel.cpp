@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <optional>
 #include <regex>
 #include <set>
+#include <utility>
 
 #include <sched.h>
 #include <sys/socket.h>
@@ -35,6 +37,8 @@ constexpr int kPollMs = 100;
 constexpr int kLingerMs = 30000;
 constexpr int kStayMs = 100;  // longest wait for the other side to close after the last message
 constexpr double kSendSeconds = 60.0;
+// Waiting for a connection, or for the answer to a request with a deadline, after which the user is told of it [s].
+constexpr double kTellSeconds = 10.0;
 constexpr double kSilentSeconds = 1.0;  // silence after which a stopped process is looked for
 // Largest share of a limit that the time between two reads of the clock may use up. After this process was stopped, or
 // the machine slept, hours may lie between two reads, and the other side could do nothing in them.
@@ -128,7 +132,25 @@ struct Channel::Sockets {
   bool told_stopped = false;
   bool has_told = false;            // a message without a reply went out
   std::optional<OwnTime> starting;  // of the process that is to connect, where it is known
-  double had_starting = 0.0;        // [s]
+  std::string named;                // that process, for messages: its program and number
+  bool told_waiting = false;        // for a connection, or for an answer
+  /// Says once on stderr what is waited for, and how long it may take.
+  void tell_waiting(const std::string& what, double had_s, double most_s) {
+    if (std::exchange(told_waiting, true)) return;
+    fmt::print(stderr, "sunder: {}{} {} yet, after {:.0f} of {:g} s\n", peer, named, what, had_s, most_s);
+  }
+  /// Why nobody came, and what to do about it.
+  std::string not_there(double connect_s) const {
+    const std::string late = fmt::format("{}{} did not connect within {:g} s", peer, named, connect_s);
+    if (closed_on_us > 0) return late + "; " + closed_at_first_word();
+    if (role == Role::kBind) return late;
+    return fmt::format(
+        "{}{}: nothing answers at {}. {}", late, starting ? " of its own time" : "", endpoint,
+        starting ? "It runs, but has not bound the address that --endpoint gives it, or not with a ZeroMQ PAIR socket; "
+                   "see rigid.log, and rigid/README.md for how a program is called"
+                 : "Start the rigid process there, bound to that address");
+  }
+  double had_starting = 0.0;  // [s]
   /// Seconds of waiting for a connection since the last look, `since` [s] ago by the clock.
   double waited(double since, double connect_s) {
     if (!starting) return std::min(since, kOneLook * connect_s);
@@ -333,7 +355,12 @@ void Channel::Sockets::tell_if_stopped() {
              there);
 }
 
-void Channel::expect(pid_t process) { s_->starting.emplace(process); }
+void Channel::expect(pid_t process) {
+  s_->starting.emplace(process);
+  std::string program;
+  std::getline(std::ifstream(fmt::format("/proc/{}/comm", process)), program);
+  s_->named = program.empty() ? "" : fmt::format(" ({}, process {})", program, process);
+}
 
 int Channel::turned_away() const { return s_->turned_away; }
 
@@ -410,8 +437,9 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     if (had) {
       const double has = had->look();
       unanswered += has - had_before, had_before = has;
-    } else
+    } else if (s_->was_connected) {  // until then the limit of a connection counts
       unanswered += std::min(since, kOneLook * deadline_s);
+    }
     silent += since;
     if (silent > kSilentSeconds) s_->tell_if_stopped(), silent = 0.0;
     if (s_->was_connected) silence.look(s_->descriptor(), since);
@@ -419,9 +447,12 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
       s_->cut_off = s_->lost = true;
       s_->fail_if_lost();
     }
+    if (!s_->was_connected && s_->role == Role::kConnect && unconnected >= kTellSeconds && unconnected < connect_s)
+      s_->tell_waiting("has not bound " + s_->endpoint, unconnected, connect_s);
+    if (deadline_s > 0.0 && unanswered >= kTellSeconds && s_->was_connected)
+      s_->tell_waiting(fmt::format("is connected, but has not answered {}", what), unanswered, deadline_s);
     if (!s_->was_connected && unconnected >= connect_s) {
-      const std::string late = fmt::format("{} did not connect within {} s{}", s_->peer, connect_s,
-                                           s_->closed_on_us > 0 ? "; " + s_->closed_at_first_word() : "");
+      const std::string late = s_->not_there(connect_s);
       if (s_->turned_away == 0) throw Error(Exit::kPeerLost, "peer_lost", late);
       throw Error(Exit::kPeerLost, "not_admitted",
                   fmt::format("{}; {} attempts came to nothing: {}; both sides need the folder of one "
@@ -430,7 +461,9 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     }
     if (deadline_s > 0.0 && unanswered >= deadline_s)
       throw Error(Exit::kPeerLost, "deadline",
-                  fmt::format("{} is connected, but has not answered {} within {} s", s_->peer, what, deadline_s));
+                  fmt::format("{}{} is connected at {}, but has not answered {} within {:g} s: a program answers each "
+                              "Request with one Reply (rigid/README.md)",
+                              s_->peer, s_->named, s_->endpoint, what, deadline_s));
   }
 }
 

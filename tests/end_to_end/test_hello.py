@@ -53,6 +53,19 @@ class Hello(unittest.TestCase):
         slow = f"head -c 300000 /dev/zero >&2; sleep 3; exec {BUILD}/rigid/sunder-rigid \"$@\" --engine freeflight"
         self.assertEqual(engines.hello(self.engine(slow), ensure_built())["name"], "freeflight")
 
+    def test_what_an_engine_says_that_runs_on_is_not_the_reason(self) -> None:
+        """It starts, says something, and never binds. Who asks has its reason, and comes first."""
+        real = subprocess.Popen
+
+        def start(command: list[str], **options: Any) -> subprocess.Popen[str]:
+            asks = "hello" in command
+            return real(["/bin/sh", "-c", "echo 'nothing answers' >&2; exit 3"] if asks else command, **options)
+
+        engine, built = self.engine("echo 'warming up' >&2; exec sleep 600"), ensure_built()
+        with mock.patch.object(engines.subprocess, "Popen", start), self.assertRaises(CommandError) as refused:
+            engines.hello(engine, built)
+        self.assertEqual(str(refused.exception), f"{engine.label}: nothing answers\nit said: warming up")
+
 
 if __name__ == "__main__":
     unittest.main()

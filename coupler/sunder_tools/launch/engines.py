@@ -126,16 +126,20 @@ def hello(rigid: Rigid, executables: Executables, keys: Path | None = None) -> d
             if asking.poll() is None:
                 asking.kill()
             answered, refused = asking.communicate()
+            ran_on = False  # the engine, after the shell's side had given up
             if process is not None:
                 try:
                     process.wait(LAST_WORDS_S)
                 except subprocess.TimeoutExpired:
+                    ran_on = True
                     process.kill()
                     process.wait()
         said.seek(0)
         words = said.read().strip()
     if asking.returncode != 0:
         ended = f"it {how_it_ended(process.returncode)} without an answer" if process is not None else ""
+        if ran_on and refused.strip():  # its own words are not why
+            words = refused.strip() + (f"\nit said: {words}" if words else "")
         raise CommandError(f"{rigid.label}: {words or refused.strip() or ended or how_it_ended(asking.returncode)}")
     answer: dict[str, object] = json.loads(answered)
     return answer

@@ -192,11 +192,58 @@ TEST(Connection, HasALimitWhereNobodyWatchesTheOtherSide) {
   channel.expect(idle.pid());  // it sleeps, which is its own time
   channel.send("word");
   try {
-    channel.receive(0.5);
+    channel.receive(0.5, 0.2, "Hello");  // the time for an answer begins with the connection
     ADD_FAILURE() << "something answered";
   } catch (const Error& e) {
     EXPECT_EQ(e.kind, "peer_lost");
-    EXPECT_NE(std::string(e.what()).find("did not connect within 0.5 s"), std::string::npos) << e.what();
+    const std::string said = e.what();
+    EXPECT_NE(said.find(fmt::format(", process {}) did not connect within 0.5 s of its own time", idle.pid())),
+              std::string::npos)
+        << said;
+    EXPECT_NE(said.find("nothing answers at " + endpoint), std::string::npos) << said;
+    EXPECT_NE(said.find("It runs, but has not bound the address that --endpoint gives it"), std::string::npos) << said;
+  }
+}
+
+// A clock that runs a hundred times too fast: what is waited for is said once, long before the wait ends.
+TEST(Connecting, TheUserIsToldWhatIsWaitedFor) {
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + folder.path + "/socket";
+  ::testing::internal::CaptureStderr();
+  try {
+    Channel channel(Channel::Role::kConnect, endpoint, "", fast_seconds);
+    channel.ask("word", 120.0, "Hello");
+    ADD_FAILURE() << "something answered";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("Start the rigid process there"), std::string::npos) << e.what();
+  }
+  const std::string told = ::testing::internal::GetCapturedStderr();
+  const std::string words = "sunder: the rigid process has not bound " + endpoint + " yet, after ";
+  EXPECT_EQ(told.find(words), 0u) << told;
+  EXPECT_EQ(told.find("sunder:", 1), std::string::npos) << told;
+}
+
+// It binds, and never says Hello. Its own time counts, which no clock makes faster: so the deadline is short.
+TEST(Deadline, OfAProcessThatNeverAnswersNamesTheRequestAndTheAddress) {
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + folder.path + "/socket";
+  Child mute([&] {
+    Channel channel(Channel::Role::kBind, endpoint);
+    pause();
+    return true;
+  });
+  Channel channel(Channel::Role::kConnect, endpoint);
+  channel.expect(mute.pid());
+  try {
+    channel.ask("word", 0.5, "Hello");
+    ADD_FAILURE() << "something answered";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "deadline");
+    const std::string said = e.what();
+    EXPECT_NE(said.find(fmt::format(", process {}) is connected at {}, but has not answered Hello within 0.5 s",
+                                    mute.pid(), endpoint)),
+              std::string::npos)
+        << said;
   }
 }
 
