@@ -40,6 +40,13 @@ class Bar:
             k[e:e + 2, e:e + 2] += [[s, -s], [-s, s]]
         return k
 
+    def longest_second_step(self) -> float:
+        """Returns the step below which forces of coarse elements may act as impulses at every second step:
+        dt^2 (1/T^2 + 1/T_c^2) = 1/2, with the stable steps T of the whole bar and T_c of the coarse part by itself."""
+        alone = Bar(self.coarse, 0, self.ratio)
+        whole, coarse = (b.stable_step(b.stiffness(0, b.coarse + b.fine)) for b in (self, alone))
+        return float(np.sqrt(0.5 / (1.0 / whole**2 + 1.0 / coarse**2)))
+
     def stable_step(self, stiffness: Matrix) -> float:
         """Returns 2 / sqrt(largest eigenvalue of M^-1 K)."""
         root = np.sqrt(self.masses())

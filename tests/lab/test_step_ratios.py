@@ -30,6 +30,19 @@ class AcrossANode(unittest.TestCase):
             self.assertGreater(max(found), 0.02, m)
         self.assertLess(max(growths("impulses", 16, 2, SHARES)), ROUND_OFF)  # an eighth of its limit: nothing is gained
 
+    def test_impulses_at_every_second_step_are_stable_below_their_bound_and_at_every_fourth_they_are_not(self) -> None:
+        below = np.linspace(0.5, 0.999, 9)
+        for ratio in (1, 2, 3, 4, 16):
+            for coarse, fine in ((5, 13), (16, 12)):
+                bar = Bar(coarse, fine, ratio)
+                longest = bar.longest_second_step()
+                for share in below:
+                    self.assertLess(growth(of_impulses(bar, share * longest, 2)), ROUND_OFF, (ratio, share))
+                if ratio in (2, 3):
+                    self.assertGreater(max(growth(of_impulses(bar, share * longest, 4)) for share in below), 1e-3, ratio)
+        same = Bar(8, 8, 1)  # elements of one size: the bound is sharp
+        self.assertGreater(growth(of_impulses(same, 1.01 * same.longest_second_step(), 2)), 0.1)
+
     def test_a_partition_by_nodes_loses_momentum_and_handing_it_over_later_makes_it_grow(self) -> None:
         bar = Bar(5, 13, 4)
         mass = bar.masses()
