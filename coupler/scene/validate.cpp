@@ -450,6 +450,10 @@ void validate(const LoadedScene& s) {
   }
   s.check(!m.has_time_step_safety() || (m.time_step_safety() > 0.0 && m.time_step_safety() <= 1.0), "time_step_safety",
           "is {}; a share of the stable step, above 0 and at most 1", m.time_step_safety());
+  s.check(!m.local_time_steps() || !is_static(m), "local_time_steps",
+          "is true, and in this scene nothing moves; leave it out");
+  s.check(!m.local_time_steps() || m.transfer().kind() == proto::GridTransfer::DIRECT, "local_time_steps",
+          "is true, and transfer sends all shells through one grid at each substep; leave one of them out");
   finite(s, "gravity", m.gravity());
   s.check(!m.transfer().has_grid_spacing_m() || m.transfer().kind() != proto::GridTransfer::DIRECT,
           "transfer.grid_spacing_m", "is for kind FLIP, APIC or PIC; name one of them, or leave it out");

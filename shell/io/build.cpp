@@ -241,6 +241,7 @@ void set_times(const proto::Scene& m, RunSetup& r) {
   r.settle_window = m.has_settle_window_s() ? m.settle_window_s() : m.window_s();
   if (m.has_time_step_safety()) r.safety = m.time_step_safety();
   r.time_step = m.time_step_s();
+  r.local_steps = m.local_time_steps();
   r.gravity = m.has_gravity() ? scene::to_vec(m.gravity()) : Vec3(0.0, 0.0, -9.81);
   r.frame_interval = m.output().has_frame_interval_s() ? m.output().frame_interval_s() : r.end_time / 60.0;
   if (r.steps > 0) r.frame_interval = r.window;

@@ -41,9 +41,10 @@ struct JointBreak {
 struct RunSetup {
   std::string name;
   double end_time = 0.0, window = 0.0, settle_window = 0.0, safety = 0.8;  // [s], [-]
-  double tick = 0.0;       // all windows are whole multiples of a tick [s]
-  int steps = 0;           // equilibria in a scene where nothing moves; 0: shells move
-  double time_step = 0.0;  // substep that the scene asks for [s]; 0: `safety` times the stable step
+  double tick = 0.0;         // all windows are whole multiples of a tick [s]
+  int steps = 0;             // equilibria in a scene where nothing moves; 0: shells move
+  double time_step = 0.0;    // substep that the scene asks for [s]; 0: `safety` times the stable step
+  bool local_steps = false;  // shells may evaluate their forces at every n-th substep (run/local_steps.h)
   double frame_interval = 0.0, shell_frame_interval = 0.0;
   std::vector<Probe> probes;
   bool thick_shells = false;         // frames have shells with their thickness too

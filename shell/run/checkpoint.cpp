@@ -59,7 +59,7 @@ template <class A>
 void archive(A& a, ShellPart& part) {
   archive_all(a, part.coefficients, part.detached_since, part.rubble, part.edges_seen, part.next_measure, part.changed,
               part.initial_step, part.smallest_step, part.equilibrium, part.hertz_speed, part.hertz_kept,
-              part.hertz_until, part.hertz_windows);
+              part.hertz_until, part.hertz_windows, part.local.every, part.local.alone);
 }
 
 namespace {
@@ -67,7 +67,7 @@ namespace {
 template <class A>
 void archive_state(A& a, const RunSetup& setup, State& state) {
   archive_all(a, state.random, state.substeps, state.engine_loss, state.driven_work, state.frozen_potential,
-              state.kinetic, state.elastic);
+              state.kinetic, state.elastic, state.local_work);
   std::vector<RigidBody> bodies;
   std::vector<double> arrived;  // of bodies with a prescribed motion, and 0
   for (const Proxy& p : state.bodies) bodies.push_back(p.body), arrived.push_back(p.arrived());

@@ -132,7 +132,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
   for (std::size_t k = 0; k < state_.shells.size(); ++k) {
     const ShellModel& m = state_.shells[k].model();
     ShellState& s = *state_.shells[k].state;
-    books_.frozen_kinetic += kinetic_energy(m, s, dt);
+    books_.frozen_kinetic += kinetic_energy(m, s, state_.shells[k].local.every * dt);
     state_.frozen_potential += potential_energy(m, s, setup_.gravity);
     std::vector<DrawnLine> lines;  // of a laminate: no edge of the body's mesh shows them
     if (m.laminated())

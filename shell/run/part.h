@@ -27,6 +27,26 @@ struct PartPieces {
   int owner(int point) const { return whole ? 0 : triangulation->owner[point]; }
 };
 
+/// Local time step of a shell: it evaluates its forces at every n-th substep, counted from the start of a window, and
+/// applies n times their impulse. A window holds a whole number of these steps.
+struct LocalStep {
+  int every = 1;       // n
+  int before = 1;      // n of the last window
+  int together = 1;    // the largest n of the shells that seams join to it: they are in step at every such substep
+  double alone = 0.0;  // stable step without what seams join to it [s]
+  std::vector<double> force;  // sum of the forces since all were in step [3][component stride] [N]
+
+  /// True where forces are evaluated at substep k of a window.
+  bool due(int k) const { return k % every == 0; }
+  /// True where this shell and those that seams join to it end a step with substep k of a window.
+  bool in_step(int k) const { return (k + 1) % together == 0; }
+  /// Factor of the force at substep k. It makes a kick of (last + dt)/2 one from the middle of the own step before to
+  /// the middle of the next.
+  double factor(int k, double dt, double last) const {
+    return k > 0 || every == before || last == 0.0 ? every : (before * last + every * dt) / (last + dt);
+  }
+};
+
 /// One shell of a run.
 struct ShellPart {
   explicit ShellPart(const ShellSetup& setup) : setup(&setup) {}
@@ -43,9 +63,10 @@ struct ShellPart {
   std::shared_ptr<const Triangulation> triangulated;  // the last triangulation for counting
   CrackLoops loops;
   double initial_step = 0.0, smallest_step = 0.0;  // stable steps [s]
-  RelaxationResult equilibrium;                    // the last one, where the scene asks for it
-  std::vector<RelaxationResult> steps;             // those of all load steps, where nothing moves
-  std::vector<double> seam_force;                  // of seams in the last of them [3][component stride] [N]
+  LocalStep local;
+  RelaxationResult equilibrium;         // the last one, where the scene asks for it
+  std::vector<RelaxationResult> steps;  // those of all load steps, where nothing moves
+  std::vector<double> seam_force;       // of seams in the last of them [3][component stride] [N]
   double hertz_speed = 0.0;  // largest approach speed of a Hertz contact so far, rounded up to a power of two [m/s]
   double hertz_kept = 0.0;   // step of the last Hertz contact [s], kept for `hertz_windows` after it
   std::int64_t hertz_until = -1, hertz_windows = kHertzKept;
@@ -54,6 +75,14 @@ struct ShellPart {
   /// Returns the stable step [s], with an allowance for cracks to come where the shell can crack.
   double step() const {
     return setup->can_crack() ? std::min(smallest_step, setup->cracked_step * initial_step) : smallest_step;
+  }
+  /// The same without what seams join to it, as it was last measured [s].
+  double measured_alone() const {
+    return smallest_step < initial_step ? std::min(local.alone, smallest_step) : local.alone;
+  }
+  /// That with the allowance [s].
+  double step_alone() const {
+    return setup->can_crack() ? std::min(measured_alone(), setup->cracked_step * local.alone) : measured_alone();
   }
   /// Shortens `step` [s] where a sphere with Hertz stiffness may touch the shell within two windows of `window` [s].
   /// The short step is kept for some time after, twice as long at each new contact. Reason: changing the step adds

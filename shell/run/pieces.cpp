@@ -379,7 +379,8 @@ RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& grou
     Piece& p = now[k].pieces[i];
     for (const int point : p.control_points) points.emplace_back(k, point);
     if (p.control_points.empty()) state_.shells[k].add_rubble(*now[k].triangulation, p.number);
-    parts.push_back(hand_off(m, *shells[k].state, *now[k].triangulation, p, counts_.next_id, dt));
+    parts.push_back(
+        hand_off(m, *shells[k].state, *now[k].triangulation, p, counts_.next_id, state_.shells[k].local.every * dt));
     parts.back().drawn.shell.assign(parts.back().drawn.triangles.size(), static_cast<int>(k));
     mass += parts.back().weighs;
     for (const int slot : parts.back().donors)

@@ -243,6 +243,12 @@ Json stable_step_of(const State& state) {
   return {{"initial_s", initial}, {"smallest_s", smallest}};
 }
 
+// How much less often forces are evaluated than with one step for all shells, weighted by layer points.
+Json local_time_steps_of(const State& state) {
+  const LocalWork& w = state.local_work;
+  return {{"longest_substeps", w.largest}, {"force_work_saved", w.without > 0.0 ? 1.0 - w.done / w.without : 0.0}};
+}
+
 /// Lists the active models, the reason for each, and its share of the time. Models of one stage share its time.
 class Models {
  public:
@@ -347,6 +353,7 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   j["warnings"] = told;
   j["shards"] = shards_of(run);
   j["stable_step"] = stable_step_of(state);
+  if (run.setup.local_steps) j["local_time_steps"] = local_time_steps_of(state);
   if (run.setup.mass_scaling) j["mass_scaling"] = mass_scaling_of(*run.setup.mass_scaling);
   if (!state.soft.empty())
     j["soft"] = {{"particles", run.simulation.soft_particles()}, {"stable_step_s", state.soft.stable_step()}};

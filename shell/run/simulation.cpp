@@ -226,7 +226,7 @@ void Simulation::start_shells(const std::function<void()>& look) {
     const bool free = steps_as_if_free(setup_, part.setup - setup_.shells.data());
     as_if_free.push_back(free), alone.push_back(stable_step(m, s, kStepIterations, model.threads, free));
     const double stable = with_fibres(m, alone.back());
-    part.initial_step = part.smallest_step = stable;
+    part.initial_step = part.smallest_step = part.local.alone = stable;
     require(std::isfinite(stable),
             "shell '{}': every control point is held; take more elements, or SIMPLY_SUPPORTED edges", m.name);
     for (const Proxy& p : state.bodies) {
@@ -339,6 +339,7 @@ double Simulation::total_energy(double dt) {
   if (state.fibres) state.fibres->add_forces(refs()), state.elastic += state.fibres->energy();
   for (const ShellPart& part : state.shells)
     for (std::size_t i = 0; i < part.seam_force.size(); ++i) part.state->motion.force[i] += part.seam_force[i];
+  const std::vector<std::vector<double>> plain = weigh_forces();
   if (!state.stitching.empty() && setup_.steps == 0)
     state.stitching.move_forces(refs()), apply_force_discontinuity(refs(), dt);
   for (const ShellPart& part : state.shells) {
@@ -350,6 +351,7 @@ double Simulation::total_energy(double dt) {
     // kinetic_energy() has half a kick that the books receive with the next one
     sum -= 0.5 * dt * external_power(m, s);
   }
+  restore_forces(plain);
   return sum + state.elastic;
 }
 
@@ -384,7 +386,7 @@ void Simulation::take_substeps(int n, double dt, double last, const Clock& clock
   for (int k = 0; k < n; ++k) {
     share_kick(1.0 / n);
     for (Proxy& p : state.bodies) p.drive(clock.time() + k * dt, dt);
-    state.soft_most = n - k;
+    state.soft_most = n - k, state.in_window = k;
     substep(model, state, scratch, dt, k == 0 ? last : dt);
     try {
       if (state.fibres) {

@@ -36,6 +36,13 @@ struct Model {
   const ShellSetup& shell(std::size_t k) const { return setup.shells[k]; }
 };
 
+/// Force evaluations since the start, each weighted by the layer points of its shell, where local time steps are in
+/// use.
+struct LocalWork {
+  double done = 0.0, without = 0.0;  // that were made; that one step for all shells would have made
+  int largest = 1;                   // most substeps of one step of a shell
+};
+
 /// Impulses of the engine on a body that the next pass spreads over its substeps (scheme ITERATED).
 struct Kick {
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();  // [N s], [N m s]
@@ -54,6 +61,8 @@ struct State {
   std::unique_ptr<Fibres> fibres;  // null where no shell has any
   SoftBodies soft;
   int soft_left = 0, soft_most = 0;  // substeps until the soft bodies' step ends; until the window ends
+  int in_window = 0;                 // number of the present substep in its window
+  LocalWork local_work;              // what local time steps have saved so far
   std::vector<Proxy> bodies;         // moving and static bodies of the scene, then shards, by id
   link::HeldRows rows;               // contacts and joints of the engine that substeps solve
   std::vector<Kick> kicks;           // of each moving body
@@ -141,6 +150,10 @@ class Simulation {
   /// kMostSubsteps in a window.
   double substeps_of_tick(double substep, std::int64_t window) const;
 
+  /// Chooses the local time steps of a window of `window` [s] that needs `least` substeps. Returns the number of
+  /// substeps, a whole number of every shell's steps; `least` where the scene does not ask for them.
+  int choose_local_steps(double window, int least);
+
   /// Releases supports that are due up to `span` [s] after `now` [s]. `dt` [s] is the last substep. Returns whether
   /// any was due.
   bool release_supports(double now, double span, double dt);
@@ -169,6 +182,10 @@ class Simulation {
   /// would have borne something.
   void require_layers_apart();
   double soft_substeps(double needed) const;
+  // Multiplies the forces of shells with a local time step, as in a kick. Returns forces and loads as they were, of
+  // each shell; nothing where none has such a step.
+  std::vector<std::vector<double>> weigh_forces();
+  void restore_forces(const std::vector<std::vector<double>>& plain);
   void share_kick(double share);
   RunSetup& setup_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "shell/run/local_steps.h"
 #include "shell/solver/contact/hertz.h"
 #include "shell/solver/cracking/criteria.h"
 #include "shell/solver/forces.h"
@@ -19,6 +20,7 @@ void substep(const Model& model, State& state, Scratch& scratch, double dt, doub
   shell_contact(model, state, scratch, dt);
   constrain_all(model, state, scratch, dt);
   drift_all(model, state, scratch, dt);
+  average_forces(state);
 }
 
 void internal_force(const Model& model, State& state, Scratch& scratch, double dt, double last) {
@@ -29,9 +31,12 @@ void internal_force(const Model& model, State& state, Scratch& scratch, double d
     const PaceOf measured(scratch.pace);
     side_by_side(state, scratch, at_once ? team : 1, [&](std::size_t k) {
       ShellPart& part = state.shells[k];
+      if (!part.local.due(state.in_window)) return clear_forces(*part.state);
       // the weight of the new stress in the running mean that criteria of fracture use; 0: no mean is kept
-      const double share = stress_share(part.setup->fracture, part.model(), dt);
+      const double share = stress_share(part.setup->fracture, part.model(), part.local.every * dt);
       advance_forces(part.model(), *part.state, share, at_once ? 1 : team);
+      const double factor = part.local.factor(state.in_window, dt, last);
+      if (factor != 1.0) scale_forces(*part.state, factor);
     });
   }
   if (state.fibres) state.fibres->add_forces(refs(state, scratch));
@@ -125,26 +130,49 @@ void drift_all(const Model& model, State& state, Scratch& scratch, double dt) {
     if (p.is_free()) p.body.drift(dt);
 }
 
+void average_forces(State& state) {
+  for (ShellPart& part : state.shells) {
+    LocalStep& local = part.local;
+    if (local.together == 1) continue;
+    std::vector<double>& force = part.state->motion.force;
+    if (state.in_window % local.together == 0) local.force.assign(force.size(), 0.0);
+    for (std::size_t i = 0; i < force.size(); ++i) local.force[i] += force[i];
+    if (!local.in_step(state.in_window)) continue;
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] = local.force[i] / local.together;
+  }
+}
+
 namespace {
 
+// Substep k of n is one of every `local.every`-th step of a shell. Cracks wait until shells that seams join are in
+// step.
 void crack_one(ShellPart& part, State& state, Scratch& scratch, const Clock& clock, int k, int n, double dt) {
   const FractureRules& rules = part.setup->fracture;
-  if (rules.mode == FractureMode::kNone) return;
+  const LocalStep& local = part.local;
+  if (rules.mode == FractureMode::kNone || !local.due(k + 1)) return;
   Stopwatch w(scratch.times[Stage::kCrackUpdate]);
-  const int every = crack_interval(rules.tips, dt);
-  const CrackLook look{part.model(),         *part.state, rules, clock.time() + (k + 1) * dt,
-                       (k % every + 1) * dt, state.random};
+  const double step = local.every * dt;
+  const int own = k / local.every, steps = n / local.every, joined = local.together / local.every;
+  const int every = (crack_interval(rules.tips, step) + joined - 1) / joined * joined;
+  const CrackLook look{part.model(), *part.state, rules, clock.time() + (k + 1) * dt, (own % every + 1) * step,
+                       state.random};
   each_criterion(rules, [&](const Criterion& c) {
     if (c.watch) c.watch(look);
   });
-  if (k % every == every - 1 || k == n - 1) propose_edges(look, CrackMoment::kLook);
+  if (own % every == every - 1 || own == steps - 1) propose_edges(look, CrackMoment::kLook);
+}
+
+// True where all shells that seams join are in step after substep k.
+bool seams_in_step(const State& state, int k) {
+  return std::all_of(state.shells.begin(), state.shells.end(),
+                     [&](const ShellPart& part) { return part.local.every > kJoinedStep || part.local.in_step(k); });
 }
 
 }  // namespace
 
 void crack_update(const Model& model, State& state, Scratch& scratch, const Clock& clock, int k, int n, double dt) {
   for (ShellPart& part : state.shells) crack_one(part, state, scratch, clock, k, n, dt);
-  if (state.stitching.empty()) return;
+  if (state.stitching.empty() || !seams_in_step(state, k)) return;
   if (!state.seam_strength.empty()) {
     Stopwatch w(scratch.times[Stage::kCrackUpdate]);
     state.seam_strength.open(refs(state, scratch), model.setup.stitches.seams, state.stitching);

@@ -26,6 +26,9 @@ void constrain_all(const Model& model, State& state, Scratch& scratch, double dt
 /// Advances positions by `dt` [s].
 void drift_all(const Model& model, State& state, Scratch& scratch, double dt);
 
+/// Gives each shell the mean force of its local time step, once it and those that seams join to it are in step.
+void average_forces(State& state);
+
 /// Updates cracks after substep k of n: tips, cracks from damage, cracks over seams. `clock` is at the start of the
 /// window.
 void crack_update(const Model& model, State& state, Scratch& scratch, const Clock& clock, int k, int n, double dt);

@@ -87,6 +87,16 @@ void advance_forces(const ShellModel& m, ShellState& s, double stress_share, int
   forces(m, s, false, stress_share, stress_share > 0.0 || s.yields(), threads);
 }
 
+void scale_forces(ShellState& s, double factor) {
+  for (std::vector<double>* all : {&s.motion.force, &s.motion.external, &s.cracks.force_discontinuity})
+    for (double& f : *all) f *= factor;
+}
+
+void clear_forces(ShellState& s) {
+  std::fill(s.motion.force.begin(), s.motion.force.end(), 0.0);
+  std::fill(s.motion.external.begin(), s.motion.external.end(), 0.0);
+}
+
 double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
   const std::size_t stride = m.tables.component_stride;
   double sum = 0.0;

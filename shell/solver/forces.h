@@ -18,6 +18,11 @@ double compute_forces(const ShellModel& model, ShellState& state, bool energy, d
 /// is 0, since nobody reads its stress.
 void advance_forces(const ShellModel& model, ShellState& state, double stress_share, int threads);
 
+/// Multiplies forces, loads and the force discontinuity of new cracks by a factor: the impulse of several substeps.
+void scale_forces(ShellState& state, double factor);
+/// Sets forces and loads to zero, in a substep without a force evaluation.
+void clear_forces(ShellState& state);
+
 /// Returns the kinetic energy [J] at the time of the positions: m v- . v+ / 2. v- are the stored velocities, v+ those
 /// after a kick of `dt` [s]. With the elastic energy of a linear shell, leapfrog conserves this sum to round-off at any
 /// stable step. It does not conserve (v- + v+)^2 / 8, which is far too large for the stiffest modes near the stable

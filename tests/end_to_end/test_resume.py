@@ -140,6 +140,23 @@ bodies { name: "lower" material: "jelly" box { size_m { x: 0.3 y: 0.02 z: 0.02 }
 joints { name: "early" kind: BALL first: "lower" second: "upper" position { x: 0.295 } breaks { time_s: 0.02 } }
 joints { name: "late" kind: HINGE first: "upper" position {} axis { y: 1 } breaks { time_s: 0.07 } }
 """
+# A fine sheet on a seam with a coarse one that a ball cracks, above a free one that is coarser still.
+LOCAL = """name: "local"
+end_time_s: 1e-3
+window_s: 2e-5
+time_step_safety: 0.6
+local_time_steps: true
+materials { name: "steel" density: 7800 youngs_modulus: 2.1e11 poisson_ratio: 0.3 }
+materials { name: "glass" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 strength: 6e7 fracture_energy: 8 }
+shells { name: "fine" material: "steel" thickness_m: 0.002
+  plate { size_x_m: 0.12 size_y_m: 0.24 elements_x: 12 elements_y: 24 } supports { edges: U_MIN kind: CLAMPED } }
+shells { name: "coarse" material: "glass" thickness_m: 0.003
+  plate { size_x_m: 0.24 size_y_m: 0.24 elements_x: 8 elements_y: 8 pose { position { x: 0.18 } } } }
+shells { name: "free" material: "steel" thickness_m: 0.002
+  plate { size_x_m: 0.8 size_y_m: 0.8 elements_x: 8 elements_y: 8 pose { position { z: -0.0026 } } } }
+seams {}
+bodies { name: "ball" material: "steel" sphere { radius_m: 0.06 } pose { position { x: 0.18 z: 0.062 } } twist { linear { z: -6 } } }
+"""
 # A ball shatters a free plate. Its pieces touch one another, so the engine has contact impulses to forget.
 PLATE = """name: "plate"
 end_time_s: 8e-4
@@ -288,6 +305,24 @@ class Resume(unittest.TestCase):
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertEqual(state(part), state(whole))
                 self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
+
+    def test_local_time_steps_go_on_to_the_bit(self) -> None:
+        scene = self.here / "local.textproto"
+        scene.write_text(LOCAL)
+        whole = self.run_to("whole", "0.001", scene=str(scene))
+        part = self.run_to("part", "0.0004", scene=str(scene))
+        done = sunder("run", "--resume", str(part), "--until", "0.001", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(state(part), state(whole))
+        self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
+        two, one = (json.loads((folder / "run.json").read_text()) for folder in (part, whole))
+        self.assertEqual(two["local_time_steps"], one["local_time_steps"])
+        self.assertGreaterEqual(one["local_time_steps"]["longest_substeps"], 4)  # of the free sheet
+        self.assertGreater(one["local_time_steps"]["force_work_saved"], 0.1)
+        self.assertGreater(one["cracks"]["length_m"], 0.05)
+        self.assertLess(abs(one["energy"]["residual_relative"]), 0.01)  # of first order in the step
+        threads = self.run_to("threads", "0.001", "--threads", "2", scene=str(scene))
+        self.assertEqual(state(threads), state(whole))
 
     def test_fibres_go_on_to_the_bit(self) -> None:
         scene = self.here / "mats.textproto"

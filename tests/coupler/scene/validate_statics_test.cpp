@@ -93,6 +93,7 @@ TEST(Statics, ASceneWithoutTimeHasOneEquilibrium) {
 TEST(Statics, WhatMovesIsRefused) {
   expect_refusal("end_time_s: 1\n" + kCantilever, "end_time_s", {"load_factors", "leave it out"});
   expect_refusal("window_s: 1\n" + kCantilever, "window_s", {"load_factors", "leave it out"});
+  expect_refusal("local_time_steps: true\n" + kCantilever, "local_time_steps", {"nothing moves", "leave it out"});
   expect_refusal(
       kCantilever + "bodies { name: \"b\" material: \"m\" sphere { radius_m: 1 } pose { position { z: 9 } } }",
       "bodies[0]", {"load_factors"});

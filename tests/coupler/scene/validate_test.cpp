@@ -166,6 +166,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"TimeStepAboveTheStableOne", "end_time_s: 1\n", "end_time_s: 1 time_step_s: 1e-5\n", 2, "at most 4.5"},
         Case{"TimeStepAndSafety", "end_time_s: 1\n", "end_time_s: 1 time_step_s: 1e-7 time_step_safety: 0.5\n", 2,
              "leave one of them out"},
+        Case{"LocalTimeStepsThroughTheGrid", "end_time_s: 1\n",
+             "end_time_s: 1 transfer { kind: APIC } local_time_steps: true\n", 2, "leave one of them out"},
         Case{"TransferOfNoKind", "end_time_s: 1\n", "end_time_s: 1 transfer { kind: 7 }\n", 2,
              "DIRECT, FLIP, APIC or PIC"},
         Case{"TransferThroughAGridTooFine", "end_time_s: 1\n",
