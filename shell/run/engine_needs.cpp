@@ -3,12 +3,19 @@
 #include <cmath>
 
 #include "coupler/core/error.h"
+#include "coupler/link/capabilities.h"
 #include "shell/run/coupler.h"
 
 namespace sunder::shell {
 void check_engine(const RunSetup& setup, const link::EngineInfo& peer) {
+  const std::vector<link::UnknownWord> unknown = link::unknown_words(peer);
   const auto need = [&](const char* what, const std::string& why, const char* remedy = "change the scene") {
-    require(peer.can(what), "the engine '{}' cannot do '{}', which {}; take another engine, or {}", peer.name, what,
+    if (peer.can(what)) return;
+    std::string meant;  // by a word that the engine declares in its place
+    for (const link::UnknownWord& u : unknown)
+      if (meant.empty() && !u.near.empty() && u.near.front() == what)
+        meant = fmt::format(" (it declares '{}', which is no capability: did you mean '{}'?)", u.word, what);
+    require(false, "the engine '{}' cannot do '{}'{}, which {}; take another engine, or {}", peer.name, what, meant,
             why, remedy);
   };
   using namespace link::capability;

@@ -6,6 +6,7 @@
 
 #include "coupler/core/disjoint_sets.h"
 #include "coupler/core/version.h"
+#include "coupler/link/capabilities.h"
 #include "shell/run/recorder.h"
 #include "shell/run/state_hash.h"
 #include "shell/solver/joining/held_together.h"
@@ -344,6 +345,8 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   const double rubble = gauss > 0.0 ? j["counts"]["rubble_points"].get<double>() / gauss : 0.0;
   std::vector<std::string> told = warnings(run.books, run.simulation, run.coupler.residual_sum(), rubble);
   const std::string engine = recorder.peer() ? recorder.peer()->name : "";
+  if (recorder.peer())
+    for (std::string& note : link::unknown_word_notes(*recorder.peer())) told.push_back(std::move(note));
   if (recorder.peer())
     for (std::string& note : engine_notes(run.setup, *recorder.peer()))
       told.push_back(std::move(note) + "; take another engine where that matters");

@@ -77,6 +77,7 @@ TEST(Conformance, FindsEachFaultByTheRowForIt) {
       {"freeflight", "forgetful", "again", "states", ""},
       {"freeflight", "sieve", "collision_boxes_off_centre", "met", "linear"},
       {"freeflight", "sieve", "tunnelling_plate", "window_0.5ms", ""},
+      {"freeflight", "misspells", "rules_words", "unknown", ""},
       {"freeflight", "polite", "rules_turn", "second_hello", ""},
       {"freeflight", "lingers", "rules_end", "bye", ""},
       {"freeflight", "echoes", "rules_turn", "sequence", "body_twice"},
@@ -98,8 +99,8 @@ TEST(Conformance, PassesTheSameRowsWithoutAFault) {
     const Outcome right = with_fault("bullet", "none", name);
     EXPECT_EQ(right.status, 0) << right.said;
   }
-  for (const char* name :
-       {"free_flight_sphere", "births", "save_restore", "again", "rules_turn", "rules_window", "rules_end"}) {
+  for (const char* name : {"free_flight_sphere", "births", "save_restore", "again", "rules_words", "rules_turn",
+                           "rules_window", "rules_end"}) {
     const Outcome right = with_fault("freeflight", "none", name);
     EXPECT_EQ(right.status, 0) << right.said;
   }

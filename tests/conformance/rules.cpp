@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 
+#include "coupler/link/capabilities.h"
 #include "coupler/link/messages.h"
 #include "exchange.pb.h"
 #include "tests/conformance/suite.h"
@@ -178,10 +179,18 @@ void endings(Suite& s) {
   });
 }
 
+void words(Suite& s) {
+  const std::vector<std::string> notes = link::unknown_word_notes(s.info);
+  std::string all;
+  for (const std::string& note : notes) all += (all.empty() ? "" : "; ") + note;
+  s.report.check("unknown", static_cast<double>(notes.size()), 0.0, 0.0, all);
+}
+
 }  // namespace
 
 std::vector<Case> rule_cases() {
   return {
+      {"rules_words", "declares capabilities only", {}, words},
       {"rules_turn", "requests out of turn are refused", {}, turns},
       {"rules_window", "wrong windows are refused", {}, windows},
       {"rules_end", "a session ends as it should", {}, endings},

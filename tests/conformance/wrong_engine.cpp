@@ -37,6 +37,7 @@ class WrongEngine final : public Engine {
     };
     if (fault_ == "sieve")
       for (const char* word : {capability::kContact, capability::kFriction, capability::kRestitution}) declare(word);
+    if (fault_ == "misspells") declare("compond");
     if (fault_ == "unhinged") declare(capability::kJoints);
     declare(capability::kExportRows);
     return info;

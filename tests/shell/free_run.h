@@ -25,8 +25,11 @@ class FreeLink final : public link::RigidLink {
     std::vector<link::WindowTask> tasks;
     std::string restored = "nothing", aborted;
     bool ended = false;
+    std::vector<std::string> declares{};  // beside what it can
   };
-  explicit FreeLink(Asked& asked) : asked_(asked) {}
+  explicit FreeLink(Asked& asked) : asked_(asked) {
+    info_.capabilities.insert(info_.capabilities.end(), asked.declares.begin(), asked.declares.end());
+  }
 
   const link::EngineInfo& peer() const override { return info_; }
   std::vector<link::State> load(const link::World& world) override {

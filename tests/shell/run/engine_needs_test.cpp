@@ -36,6 +36,23 @@ RigidBody body(const std::string& name, const Shape& shape) {
 
 }  // namespace
 
+TEST(EngineNeeds, NameTheWordThatMayBeMisspelt) {
+  RunSetup setup;
+  setup.bodies = {body("b", SphereShape{1.0})};
+  link::EngineInfo peer = engine_without(capability::kSpheres);
+  peer.capabilities.emplace_back("spheers");
+  try {
+    check_engine(setup, peer);
+    FAIL() << "taken";
+  } catch (const Error& e) {
+    EXPECT_STREQ(e.what(),
+                 "the engine 'toy' cannot do 'spheres' (it declares 'spheers', which is no capability: did you mean "
+                 "'spheres'?), which body 'b' needs; take another engine, or change the scene");
+  }
+  peer.capabilities.back() = capability::kSpheres;  // the remedy
+  EXPECT_NO_THROW(check_engine(setup, peer));
+}
+
 TEST(EngineNeeds, AreRefusedWithTheCapabilityAndWhoNeedsIt) {
   const std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   Joint hinge;

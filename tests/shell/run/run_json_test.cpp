@@ -63,6 +63,19 @@ TEST(RunJson, ListsTheModelsThatAreActiveWithTheirShares) {
   EXPECT_EQ(names, (std::vector<std::string>{"kirchhoff_love_plane_stress", "shell_contact", "rigid_engine"}));
 }
 
+TEST(RunJson, WarnsOfAWordThatIsNoCapability) {
+  FreeRun run;
+  run.asked.declares = {"conact"};
+  run.execute();
+  std::string all;
+  const auto summary = run.summary();  // outlives the loop
+  for (const std::string told : summary["warnings"]) all += told + "\n";
+  EXPECT_NE(all.find("the engine 'free' declares 'conact', which is no capability and counts for nothing: did you mean "
+                     "'contact'?\n"),
+            std::string::npos)
+      << all;
+}
+
 TEST(RunJson, ATextThatIsNoUtf8IsReplaced) {
   FreeRun run;
   run.options.scene_hash = "\xff";
