@@ -20,6 +20,7 @@ constexpr double kUntouched = 1e-9;  // [largest speed]: round-off
 // A body that another one hits is at most twice as fast as that one; the margin is a factor of two.
 constexpr double kLongestWay = 4.0;        // [largest speed times the window]
 constexpr int kHeavyEvery = 8;             // windows between two looks for heavy bodies on light ones
+constexpr int kNearEvery = 16;             // windows between two looks how near bodies are to shells
 constexpr int kHeldWindows = 64;           // windows for which a body counts as held by the engine, or stays exported
 constexpr std::int64_t kHeldAtFirst = 64;  // windows at the start in which every body counts as held
 // share of an overlap per substep: twenty stacked plates sink by 2 um, and none bounces
@@ -308,6 +309,8 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
   for (Proxy& p : state_.bodies)
     if (p.is_driven() && !p.body.is_static) p.body.motion = kept[next++];
   residual_sum_ += window_residual_, residual_max_ = std::max(residual_max_, window_residual_);
+  note_touches(setup_, state_, near_);
+  if (clock_.windows % kNearEvery == 0) look_how_near(setup_, state_, clock_.time() + window, near_);
   for (Proxy& p : state_.bodies) {
     if (p.unmoved && !p.body.is_static && p.impulse_sum > 0.0) {  // scheme LAGGED: the impulse acts a window late
       p.body.motion.velocity += p.linear_impulse / p.body.mass;

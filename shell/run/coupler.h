@@ -9,6 +9,7 @@
 
 #include "coupler/link/rigid_link.h"
 #include "shell/run/mass_ratio.h"
+#include "shell/run/nearness.h"
 #include "shell/run/simulation.h"
 
 namespace sunder::shell {
@@ -78,6 +79,8 @@ class Coupler {
   const HeavyPair& heavy_pair() const { return heavy_pair_; }
   /// The first body with a prescribed motion that was pressed on what does not give way, and when [s]; 0: none.
   const std::pair<BodyId, double>& blocked() const { return blocked_; }
+  /// How near moving bodies have come to shells, as far as it was looked at.
+  const Nearness& near() const { return near_; }
   BirthErrors& birth_errors() { return birth_errors_; }
   const BirthErrors& birth_errors() const { return birth_errors_; }
 
@@ -86,7 +89,7 @@ class Coupler {
     archive_all(a, c.window_ticks_, c.shortest_window_, c.held_until_, c.exported_until_, c.ever_exported_, c.released_,
                 c.released_at_, c.exported_windows_, c.passes_, c.most_passes_, c.stiffest_, c.window_residual_,
                 c.residual_sum_, c.residual_max_, c.ledger_linear_, c.ledger_angular_, c.birth_errors_, c.heavy_pair_,
-                c.blocked_, c.engine_motions_);
+                c.blocked_, c.engine_motions_, c.near_);
   }
 
  private:
@@ -129,6 +132,7 @@ class Coupler {
   BirthErrors birth_errors_;
   HeavyPair heavy_pair_;
   std::pair<BodyId, double> blocked_{0, 0.0};
+  Nearness near_;
   std::map<BodyId, BodyMotion> engine_motions_;  // the engine's last ones, of bodies with a prescribed motion
 };
 
