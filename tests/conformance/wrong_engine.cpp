@@ -21,9 +21,10 @@ namespace {
 using namespace sunder;
 using namespace sunder::link;
 
-const std::set<std::string> kFaults = {"none",   "leaks",   "bouncy",    "stale",    "hovers",   "slippery", "sticky",
-                                       "sieve",  "random",  "forgetful", "unhinged", "rowless",  "flipped",  "meddling",
-                                       "polite", "lingers", "late",      "twists",   "clinging", "echoes"};
+const std::set<std::string> kFaults = {"none",     "leaks",    "bouncy",   "stale",     "hovers",   "slippery",
+                                       "sticky",   "sieve",    "random",   "forgetful", "unhinged", "rowless",
+                                       "flipped",  "meddling", "polite",   "lingers",   "late",     "twists",
+                                       "clinging", "echoes",   "misspells"};
 
 class WrongEngine final : public Engine {
  public:
