@@ -188,7 +188,8 @@ std::vector<Transit> BulletEngine::Impl::match(const std::vector<PredictedState>
 }
 
 /// Bodies that bounce leave their touch at its time, as far as nothing is in their way. The first solve has changed
-/// their velocities from the window's start, and the second one at its end: both do so at the touch.
+/// their velocities from the window's start, and the second one at its end: both do so at the touch. Two that both move
+/// stay there: the shift is along the normal, and beside their tangential motion it would turn the pair.
 void BulletEngine::Impl::fly_on(double window_s, std::vector<Transit>& transits,
                                 const std::map<BodyId, BulletWorld::Bounce>& bounces) {
   std::vector<Way> ways;
@@ -212,7 +213,7 @@ void BulletEngine::Impl::fly_on(double window_s, std::vector<Transit>& transits,
   std::vector<double> rests;
   for (const auto& [id, bounce] : bounces) {
     const int first = way_of.at(id), second = way_of.at(bounce.partner);
-    if (movers[second] && bounce.partner < id) continue;  // the pair is there
+    if (movers[first] && movers[second]) continue;
     const double touch = bounce.touch, rest = window_s - touch;
     const auto shift = [&](int i) -> Shift {
       if (!movers[i]) return {};

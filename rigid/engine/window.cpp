@@ -201,13 +201,14 @@ class Transit {
   }
 
   /// Bodies that bounce leave their touch at its time, as far as nothing is in their way. The first solve has changed
-  /// their velocities from the window's start, and the second one at its end: both do so at the touch.
+  /// their velocities from the window's start, and the second one at its end: both do so at the touch. Two that both
+  /// move stay there: the shift is along the normal, and beside their tangential motion it would turn the pair.
   void fly_on() {
     std::vector<Departure> departures;
     std::vector<double> rests;
     for (std::size_t k = 0; k < meetings_.size(); ++k) {
-      if (!rebounds_[k]) continue;
       const int first = meetings_[k].first, second = meetings_[k].second;
+      if (!rebounds_[k] || (slots_[first] >= 0 && slots_[second] >= 0)) continue;
       const auto same = [&](const Departure& d) { return d.first == first && d.second == second; };
       if (std::any_of(departures.begin(), departures.end(), same)) continue;
       const double touch = rebounds_[k]->touch, rest = h_ - touch;

@@ -6,6 +6,7 @@
 #include "shell/io/build_seams.h"
 #include "shell/run/simulation.h"
 #include "shell/solver/forces.h"
+#include "shell/solver/stepping/kick_drift.h"
 
 namespace sunder::shell {
 namespace {
@@ -53,8 +54,8 @@ LocalSteps local_steps(const std::vector<StepLimit>& shells, double window, int 
   return best;
 }
 
-int Simulation::choose_local_steps(double window, int least) {
-  if (!setup_.local_steps || !state.solving()) return least;
+int Simulation::choose_local_steps(double tick, int least, int ticks) {
+  if (!setup_.local_steps || !state.solving()) return least * ticks;
   std::vector<StepLimit> limits;
   for (const ShellPart& part : state.shells) {
     const ShellModel& m = part.model();
@@ -72,26 +73,28 @@ int Simulation::choose_local_steps(double window, int least) {
     }
     ++group;
   }
-  const LocalSteps chosen = local_steps(limits, window, least, setup_.safety);
+  const LocalSteps chosen = local_steps(limits, tick, least, setup_.safety);
   for (std::size_t k = 0; k < limits.size(); ++k) {
     LocalStep& local = state.shells[k].local;
     local.before = local.every, local.every = chosen.every[k], local.together = 1;
     for (std::size_t i = 0; i < limits.size(); ++i)
       if (limits[i].group == limits[k].group) local.together = std::max(local.together, chosen.every[i]);
-    state.local_work.done += limits[k].work * chosen.substeps / chosen.every[k];
-    state.local_work.without += limits[k].work * least;
-    state.local_work.largest = std::max(state.local_work.largest, chosen.every[k]);
+    state.local_work.done += limits[k].work * ticks * chosen.substeps / chosen.every[k];
+    state.local_work.without += limits[k].work * ticks * least;
+    state.local_work.largest = std::max<std::int64_t>(state.local_work.largest, chosen.every[k]);
   }
-  return chosen.substeps;
+  return chosen.substeps * ticks;
 }
 
-std::vector<std::vector<double>> Simulation::weigh_forces() {
+std::vector<std::vector<double>> Simulation::weigh_forces(double dt) {
   std::vector<std::vector<double>> plain;
   if (std::none_of(state.shells.begin(), state.shells.end(), [](const ShellPart& p) { return p.local.every > 1; }))
     return plain;
   for (const ShellPart& part : state.shells) {
     plain.push_back(part.state->motion.force), plain.push_back(part.state->motion.external);
-    if (part.local.every > 1) scale_forces(*part.state, part.local.every);
+    if (part.local.every == 1) continue;
+    if (state.stitching.empty()) apply_force_discontinuity({{&part.model(), part.state.get()}}, part.local.every * dt);
+    scale_forces(*part.state, part.local.every);
   }
   return plain;
 }

@@ -52,8 +52,9 @@ void look_how_near(const RunSetup& setup, const State& state, double time, Nearn
 std::string apart_warning(const RunSetup& setup, const Nearness& near, double time) {
   if (near.touched || near.body < 0) return "";
   return fmt::format(
-      "no moving body has touched a shell in {:.4g} s: '{}' came nearest, up to {:.2g} m from shell '{}' at {:.4g} s; "
-      "look at its place and velocity, or give a later end_time_s",
+      "no moving body has touched a shell in {:.4g} s: '{}' was nearest, {:.2g} m from shell '{}' at {:.4g} s, as far "
+      "as "
+      "looks from time to time tell; look at its place and velocity, or give a later end_time_s",
       time, setup.bodies[near.body].name, near.gap, setup.shells[near.shell].model.name, near.time);
 }
 

@@ -40,6 +40,8 @@ struct LocalStep {
   bool due(int k) const { return k % every == 0; }
   /// True where this shell and those that seams join to it end a step with substep k of a window.
   bool in_step(int k) const { return (k + 1) % together == 0; }
+  /// Substeps that the last kick was for, at a substep k with a force evaluation.
+  double kicked(int k) const { return k > 0 ? every : before; }
   /// Factor of the force at substep k. It makes a kick of (last + dt)/2 one from the middle of the own step before to
   /// the middle of the next.
   double factor(int k, double dt, double last) const {

@@ -78,8 +78,8 @@ Run::WindowSteps Run::plan_window() {
   const double length = simulation_.substep_length(clock_.windows);
   coupler_.limit_window(end_tick() - clock_.tick);
   const int ticks = coupler_.window_ticks();
-  const int least = std::max(1, static_cast<int>(simulation_.substeps_of_tick(length, clock_.windows))) * ticks;
-  const int n = simulation_.choose_local_steps(clock_.ticks.time(ticks), least);
+  const int least = std::max(1, static_cast<int>(simulation_.substeps_of_tick(length, clock_.windows)));
+  const int n = simulation_.choose_local_steps(clock_.ticks.time(1), least, ticks);
   const double last = dt_;
   dt_ = clock_.ticks.substep(ticks, n);
   return {ticks, n, clock_.ticks.time(ticks), dt_, last};

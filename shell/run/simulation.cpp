@@ -339,7 +339,7 @@ double Simulation::total_energy(double dt) {
   if (state.fibres) state.fibres->add_forces(refs()), state.elastic += state.fibres->energy();
   for (const ShellPart& part : state.shells)
     for (std::size_t i = 0; i < part.seam_force.size(); ++i) part.state->motion.force[i] += part.seam_force[i];
-  const std::vector<std::vector<double>> plain = weigh_forces();
+  const std::vector<std::vector<double>> plain = weigh_forces(dt);
   if (!state.stitching.empty() && setup_.steps == 0)
     state.stitching.move_forces(refs()), apply_force_discontinuity(refs(), dt);
   for (const ShellPart& part : state.shells) {

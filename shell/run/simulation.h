@@ -40,7 +40,7 @@ struct Model {
 /// use.
 struct LocalWork {
   double done = 0.0, without = 0.0;  // that were made; that one step for all shells would have made
-  int largest = 1;                   // most substeps of one step of a shell
+  std::int64_t largest = 1;          // most substeps of one step of a shell
 };
 
 /// Impulses of the engine on a body that the next pass spreads over its substeps (scheme ITERATED).
@@ -150,9 +150,10 @@ class Simulation {
   /// kMostSubsteps in a window.
   double substeps_of_tick(double substep, std::int64_t window) const;
 
-  /// Chooses the local time steps of a window of `window` [s] that needs `least` substeps. Returns the number of
-  /// substeps, a whole number of every shell's steps; `least` where the scene does not ask for them.
-  int choose_local_steps(double window, int least);
+  /// Chooses the local time steps of a window of `ticks` ticks of `tick` [s], each of which needs `least` substeps.
+  /// Returns the number of substeps in the window. A tick holds a whole number of every shell's steps, so the substep
+  /// does not depend on the window. Where the scene does not ask for them, it is `least` in each tick.
+  int choose_local_steps(double tick, int least, int ticks);
 
   /// Releases supports that are due up to `span` [s] after `now` [s]. `dt` [s] is the last substep. Returns whether
   /// any was due.
@@ -184,7 +185,7 @@ class Simulation {
   double soft_substeps(double needed) const;
   // Multiplies the forces of shells with a local time step, as in a kick. Returns forces and loads as they were, of
   // each shell; nothing where none has such a step.
-  std::vector<std::vector<double>> weigh_forces();
+  std::vector<std::vector<double>> weigh_forces(double dt);
   void restore_forces(const std::vector<std::vector<double>>& plain);
   void share_kick(double share);
   RunSetup& setup_;

@@ -23,6 +23,21 @@ void substep(const Model& model, State& state, Scratch& scratch, double dt, doub
   average_forces(state);
 }
 
+namespace {
+
+// Makes the forces of a substep those of the shell's own step. New cracks change the last kick, which was for `kicked`
+// substeps. Where seams join shells, all cracks have one share of that change, and it is found later.
+void weigh(ShellPart& part, int k, double dt, double last, bool joined) {
+  const double factor = part.local.factor(k, dt, last), kicked = part.local.kicked(k);
+  if (factor == 1.0 && kicked == 1.0) return;
+  std::vector<double>& discontinuity = part.state->cracks.force_discontinuity;
+  if (!joined && !discontinuity.empty()) apply_force_discontinuity({{&part.model(), part.state.get()}}, kicked * last);
+  scale_forces(*part.state, factor);
+  for (double& f : discontinuity) f *= kicked / factor;
+}
+
+}  // namespace
+
 void internal_force(const Model& model, State& state, Scratch& scratch, double dt, double last) {
   Stopwatch w(scratch.times[Stage::kInternalForce]);
   const int team = scratch.pace.threads();
@@ -35,8 +50,7 @@ void internal_force(const Model& model, State& state, Scratch& scratch, double d
       // the weight of the new stress in the running mean that criteria of fracture use; 0: no mean is kept
       const double share = stress_share(part.setup->fracture, part.model(), part.local.every * dt);
       advance_forces(part.model(), *part.state, share, at_once ? 1 : team);
-      const double factor = part.local.factor(state.in_window, dt, last);
-      if (factor != 1.0) scale_forces(*part.state, factor);
+      weigh(part, state.in_window, dt, last, !state.stitching.empty());
     });
   }
   if (state.fibres) state.fibres->add_forces(refs(state, scratch));

@@ -94,32 +94,48 @@ void contact_functions(const ShellModel& m, const ShellState& s, const ContactCa
   for (GatheredFunction& f : out) f.n[0] += q.to_edge.x() * f.n[1] + q.to_edge.y() * f.n[2];
 }
 
-// Candidates at the edge of the patch beside `main`, which is one at `x`. The outermost Gauss points are a fifth of an
-// element within, and an element may be drawn to many times its length.
-void look_at_edges(const Search& k, const ContactCandidates::Sample main, const Vec3& x, Samples& found) {
-  if (!k.edges) return;
+// A place at the edge of the patch that a sample has.
+struct EdgePlace {
+  Vec2 to_edge;  // from its Gauss point, in parameters
+  Vec3 x;
+};
+
+// The samples at the edge of the patch beside a Gauss point: the outermost ones are a fifth of an element within, and
+// an element may be drawn to many times its length. Elements that a loop cuts have none, nor has what lies behind a
+// crack.
+void edge_places(const Search& k, int block, int lane, std::vector<EdgePlace>& out) {
+  out.clear();
   const RowTables& t = k.m.tables;
-  const int g = t.gauss, row = main.block / g, column = main.lane * g + main.block % g;
+  const int g = t.gauss, row = block / g, column = lane * g + block % g;
+  if (!k.edges || (column > 0 && column < t.spans_u * g - 1 && row > 0 && row < t.spans_v * g - 1)) return;
+  if (!t.trimmed.empty() && !is_whole_element(k.m.patch, t, lane, row / g)) return;
   const auto beyond = [](int i, int count, const KnotVector& knots, double at) {
     return i == 0 ? knots.begin() - at : i == count - 1 ? knots.end() - at : 0.0;
   };
-  if (column > 0 && column < t.spans_u * g - 1 && row > 0 && row < t.spans_v * g - 1) return;
-  const Vec2 p = gauss_point(k.m.patch, t, main.block, main.lane).parameter;
+  const Vec2 p = gauss_point(k.m.patch, t, block, lane).parameter;
   const double u = beyond(column, t.spans_u * g, k.m.patch.knots_u, p.x()),
                v = beyond(row, t.spans_v * g, k.m.patch.knots_v, p.y());
-  const auto look = [&](const Vec2& to_edge) {
+  const auto add = [&](const Vec2& to_edge) {
+    if (k.s.cracks.graph.has_cracks() && !k.s.cracks.graph.visible(p, p + to_edge)) return;
     thread_local std::vector<GatheredFunction> functions;
-    ContactCandidates::Sample q{main.block, main.lane, 0, {}, to_edge};
-    contact_functions(k.m, k.s, q, functions);
-    const Vec3 there = position(k.s, functions);
-    if (main.known.value - k.body.change_since(x, main.known) - (there - x).norm() >= k.margin) return;
-    q.known = k.body.known(there, k.body.distance(there, main.known.triangle));
-    q.first = k.substeps_without_touch(q.known.value);
-    if (q.known.value < k.margin) found.push_back(q);
+    contact_functions(k.m, k.s, {block, lane, 0, {}, to_edge}, functions);
+    out.push_back({to_edge, position(k.s, functions)});
   };
-  if (u != 0.0) look({u, 0.0});
-  if (v != 0.0) look({0.0, v});
-  if (u != 0.0 && v != 0.0) look({u, v});
+  if (u != 0.0) add({u, 0.0});
+  if (v != 0.0) add({0.0, v});
+  if (u != 0.0 && v != 0.0) add({u, v});
+}
+
+// Candidates among the edge places of a Gauss point at x, whose distance is known.
+void look_at_edges(const Search& k, int block, int lane, const std::vector<EdgePlace>& edges, const Vec3& x,
+                   const Proxy::Known& known, Samples& found) {
+  if (edges.empty()) return;
+  const double least = known.value - k.body.change_since(x, known) - kSlack * k.m.thickness;
+  for (const EdgePlace& e : edges) {
+    if (least - (e.x - x).norm() >= k.margin) continue;
+    const Proxy::Known own = k.body.known(e.x, k.body.distance(e.x, known.triangle));
+    if (own.value < k.margin) found.push_back({block, lane, k.substeps_without_touch(own.value), own, e.to_edge});
+  }
 }
 
 // Candidates of a tile. Where a distance from before tells that a sample is beyond the margin, or that it cannot touch
@@ -127,6 +143,7 @@ void look_at_edges(const Search& k, const ContactCandidates::Sample main, const 
 void look_at_tile(const Search& k, int tile, int across, ContactCandidates& c, Samples& found) {
   const RowTables& t = k.m.tables;
   thread_local std::vector<GatheredFunction> functions;
+  thread_local std::vector<EdgePlace> edges;
   found.clear();
   const Vec3 centre = k.body.body.motion.position;
   const int tu = tile % across, tv = tile / across, points = t.gauss * t.gauss;
@@ -142,24 +159,27 @@ void look_at_tile(const Search& k, int tile, int across, ContactCandidates& c, S
           q.refresh = c.refresh, q.there = !functions.empty() && !k.s.motion.detached[functions[0].slot];
           if (q.there) q.x = position(k.s, functions);
         }
-        if (!q.there || (q.x - centre).norm() > k.body.radius() + k.margin) continue;
+        if (!q.there) continue;
+        edge_places(k, block, lane, edges);
+        double reach = k.margin;  // within which the Gauss point or an edge beside it may be a candidate
+        for (const EdgePlace& e : edges) reach = std::max(reach, k.margin + (e.x - q.x).norm());
+        if ((q.x - centre).norm() > k.body.radius() + reach) continue;
         Proxy::Known known = k.before ? (*k.before)[sample] : Proxy::Known{};
         if (std::isfinite(known.value)) {
           const double change = k.body.change_since(q.x, known) + kSlack * k.m.thickness;
           const double least = known.value - change, most = known.value + change;
-          if (least >= k.margin) continue;
+          if (least >= reach) continue;
           const int first = k.substeps_without_touch(least);
           if (most < k.margin && first >= kLongEnough) {
             found.push_back({block, lane, first, known});
-            look_at_edges(k, found.back(), q.x, found);
+            look_at_edges(k, block, lane, edges, q.x, known, found);
             continue;
           }
         }
         known = k.body.known(q.x, k.body.distance(q.x, known.triangle));
         if (k.before) (*k.before)[sample] = known;
-        if (known.value >= k.margin) continue;
-        found.push_back({block, lane, k.substeps_without_touch(known.value), known});
-        look_at_edges(k, found.back(), q.x, found);
+        if (known.value < k.margin) found.push_back({block, lane, k.substeps_without_touch(known.value), known});
+        look_at_edges(k, block, lane, edges, q.x, known, found);
       }
 }
 
@@ -256,7 +276,8 @@ namespace {
 Vec3 normal_at(const ShellModel& m, const ShellState& s, const ContactCandidates::Sample& q,
                const std::vector<GatheredFunction>& functions) {
   Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
-  if (functions.front().n[1] != 0.0 || functions.size() != m.patch.functions()) {  // gathered
+  const bool own = functions.front().n[1] != 0.0 || functions.size() != m.patch.functions();  // gathered
+  if (own || !q.to_edge.isZero(0.0)) {
     for (const auto& f : functions) tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
   } else {
     const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, m.tables, q.block, q.lane).parameter);

@@ -262,7 +262,8 @@ TEST(LocalSteps, OfShellsThatTouchKeepMomentumAndBookTheEnergy) {
     RecordProperty(every == 1 ? "one" : "four", std::to_string(gap[every / 4]));
     EXPECT_LT(end, start);
   }
-  EXPECT_LT(std::abs(gap[1]), std::max(0.01, 2.0 * std::abs(gap[0])));
+  // contact is booked to first order in the steps of both shells
+  EXPECT_LT(std::abs(gap[1]), 2.0 * std::abs(gap[0]) + 1e-3);
 }
 
 // A notch in the slow shell runs at the same steps, to the same place, as in a run whose substeps are as long.
@@ -318,7 +319,7 @@ shells { name: "coarse" material: "glass" thickness_m: 0.004
     simulation.prepare();
     simulation.start_shells([] {});
     const int least = static_cast<int>(simulation.substeps_of_tick(simulation.substep_length(0), 0));
-    const int n = simulation.choose_local_steps(1e-4, least);
+    const int n = simulation.choose_local_steps(1e-4, least, 1);
     const int every = simulation.state.shells[1].local.every;
     EXPECT_EQ(simulation.state.shells[0].local.every, 1);
     EXPECT_EQ(every, asks ? 4 : 1);
