@@ -2,6 +2,7 @@
 #include <fstream>
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "coupler/scene/mesh.h"
@@ -43,7 +44,7 @@ TEST(MeshBodies, AreTakenByEveryEngineInAnyPose) {
   for (const char* name : {"tree_branch_1", "tree_branch_2", "tree_branch_6", "tree_trunk"})
     for (int pose = 0; pose < 8; ++pose) {
       const Quat turn = Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
-      const Surface surface = surface_of(std::string(SUNDER_SCENES) + "/" + name + ".off", turn.toRotationMatrix());
+      const Surface surface = surface_of(fmt::format("{}/{}.off", SUNDER_SCENES, name), turn.toRotationMatrix());
       RigidBody body;
       body.id = 1;
       body.name = name;

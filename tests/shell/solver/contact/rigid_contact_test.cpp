@@ -248,7 +248,7 @@ TEST(RigidContact, FeelsNoEdgeBehindACrack) {
     ShellState s = make_state(m, Vec3(1, 0, 0), 0);
     if (cracked) {
       const int a = s.cracks.graph.add_vertex({0.1995, 0.0}), b = s.cracks.graph.add_vertex({0.1995, 0.2});
-      s.cracks.graph.add_edge(a, b, s.cracks.graph.new_crack(), 0.0);
+      s.cracks.graph.add_edge(a, b, s.cracks.graph.new_crack(), 0.0, 0);
     }
     RigidBody wall;
     wall.id = 1, wall.is_static = true, wall.shape = BoxShape{{0.5, 0.5, 0.5}};
