@@ -72,7 +72,6 @@ class InABrowser(unittest.TestCase):
         """Every triangle of the frame is handed to the graphics."""
         frame = list_frames(self.folder)[k]
         shell, bodies = frame.read(SHELL), frame.read(BODIES)
-        assert shell is not None and bodies is not None
         wanted = len(bodies.triangles) if bodies is not None else 0
         if shell is not None:
             wanted += len(sheet_of(shell, scene_words(self.folder).thickness).triangles)
