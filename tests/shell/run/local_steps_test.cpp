@@ -327,5 +327,7 @@ shells { name: "coarse" material: "glass" thickness_m: 0.004
     const LocalWork& work = simulation.state.local_work;
     EXPECT_NEAR(work.done, asks ? n * (256.0 + 1024.0 / 4) / (256 + 1024) * work.without / least : 0.0,
                 1e-9 * work.without);
+    // the substep does not depend on how many ticks a window has
+    EXPECT_EQ(simulation.choose_local_steps(1e-4, least, 3), 3 * n);
   }
 }
