@@ -21,6 +21,7 @@
 #include "shell/io/near_parts.h"
 #include "shell/io/part_names.h"
 #include "shell/io/space_places.h"
+#include "shell/io/starts_inside.h"
 #include "shell/io/strength_factors.h"
 #include "shell/solver/contact/hertz.h"
 
@@ -346,14 +347,10 @@ void check_start(const scene::LoadedScene& scene, const proto::Body& message, co
               "'{}' is {:.3g} m in half, less than half a spacing of shell '{}' ({:.3g} m), whose contact is felt at "
               "its Gauss points: it could pass between them; take more elements",
               b.name, extent, s.name, s.spacing);
-  double least = 1e300;
-  for (int q = 0; q < s.tables.blocks(); ++q)
-    for (int e = 0; e < s.tables.spans_u; ++e)
-      if (const GaussPoint g = gauss_point(s.patch, s.tables, q, e); g.weight > 0.0)
-        least = std::min(
-            least, proxy.distance(s.patch.evaluate(g.parameter).x).value - 0.5 * (s.thickness_at(q, e) - s.thickness));
-  scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + (message.motion_size() > 0 ? ".motion" : ".pose"),
-              "'{}' starts {:.3g} m inside shell '{}'; move it away", b.name, 0.5 * s.thickness - least, s.name);
+  const StartDepth found = start_depth(s, proxy);
+  if (!starts_outside(found))
+    scene.check(false, field + (message.motion_size() > 0 ? ".motion" : ".pose"), "{}",
+                starts_inside(found, s, proxy));
 }
 
 void add_bodies(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, Groups& groups, RunSetup& r) {

@@ -7,6 +7,7 @@
 #include "coupler/scene/mesh.h"
 #include "shell/contact/proxy.h"
 #include "shell/io/build_shell.h"
+#include "shell/io/starts_inside.h"
 
 namespace sunder::shell {
 namespace {
@@ -103,15 +104,9 @@ void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32
                   -apart, b.name);
     }
     for (const ShellSetup& shell : r.shells) {
-      const ShellModel& s = shell.model;
-      double least = 1e300;
-      for (int block = 0; block < s.tables.blocks(); ++block)
-        for (int e = 0; e < s.tables.spans_u; ++e)
-          if (const GaussPoint g = gauss_point(s.patch, s.tables, block, e); g.weight > 0.0)
-            least = std::min(least, solid.distance(s.patch.evaluate(g.parameter).x).value -
-                                        0.5 * (s.thickness_at(block, e) - s.thickness));
-      scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + ".pose",
-                  "'{}' starts {:.3g} m inside shell '{}'; move it away", m.name(), 0.5 * s.thickness - least, s.name);
+      const StartDepth found = start_depth(shell.model, solid);
+      if (!starts_outside(found))
+        scene.check(false, field + ".pose", "{}", starts_inside(found, shell.model, solid));
     }
     for (std::size_t k = 0; k < r.soft.size(); ++k) {
       const double apart = std::min(clearance(soft.model, solids[k]), clearance(r.soft[k].model, solid));

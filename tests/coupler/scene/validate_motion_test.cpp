@@ -78,7 +78,7 @@ TEST(Motion, ThatJumpsOrStartsInsideAShellIsRefused) {
   expect_refusal(moved("motion { position { z: 0.1 } } motion { time_s: 1e-7 position { z: 1e305 } }"),
                  "bodies[0].motion", {"faster than numbers can say"});
   expect_refusal(moved("motion { position { z: 0.01 } } motion { time_s: 0.5 position { z: 0.3 } }"),
-                 "bodies[0].motion", {"m inside shell 'pane'; move it away"});
+                 "bodies[0].motion", {"m inside shell 'pane'", "; move it 0.0"});
 }
 
 // A stiff pane takes long substeps, in which the ball passes it.
