@@ -353,12 +353,15 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   if (std::string heavy = heavy_warning(state.bodies, run.coupler.heavy_pair(), engine); !heavy.empty())
     told.push_back(std::move(heavy));
   if (const auto& [id, when] = run.coupler.blocked(); id != 0) told.push_back(blocked_warning(state.bodies, id, when));
-  // Pieces that have left, or a frozen shell, may be what bodies met.
-  const double time = run.clock.time();
-  if (status == "done" && run.setup.steps == 0 && state.solving() && run.pieces.counts().handed_off == 0) {
+  // Pieces that have left may be what bodies met.
+  const PieceCounts counts = run.pieces.counts();
+  if (status == "done" && run.setup.steps == 0 && counts.handed_off == 0) {
+    const bool frozen = counts.frozen_at >= 0.0;
+    const double time = frozen ? counts.frozen_at : run.clock.time();
     Nearness near = run.coupler.near();
     look_how_near(run.setup, state, time, near);
-    if (std::string apart = apart_warning(run.setup, near, time); !apart.empty()) told.push_back(std::move(apart));
+    if (std::string apart = apart_warning(run.setup, near, time, frozen); !apart.empty())
+      told.push_back(std::move(apart));
   }
   j["warnings"] = told;
   j["shards"] = shards_of(run);

@@ -56,6 +56,18 @@ TEST(Nearness, ARunThatEndsEarlySaysForHowLong) {
   EXPECT_EQ(said(kAway, 5e-4).find("no moving body has touched a shell in 0.0005 s: "), 0u);
 }
 
+// Nothing was touched before the shell froze, so it never can break.
+TEST(Nearness, AShellThatFrozeUntouchedIsTold) {
+  const std::string told = said(kAway, 0.0, "fracture { latest_freeze_s: 5e-4 }\n");
+  EXPECT_EQ(
+      told.find("no moving body has touched a shell in 0.0005 s, when the shells were frozen: 'ball' was nearest"), 0u)
+      << told;
+  EXPECT_NE(told.find("let the shells be frozen later (fracture { latest_freeze_s })"), std::string::npos) << told;
+  EXPECT_EQ(said("  pose { position { x: 0.02 z: 0.024 } }\n  twist { linear { z: -4 } }\n", 0.0,
+                 "fracture { latest_freeze_s: 8e-4 }\n"),
+            "");
+}
+
 TEST(Nearness, ASceneWithoutAMovingBodySaysNothing) {
   EXPECT_EQ(said("  pose { position { x: 1 z: 0.5 } }\n  is_static: true\n"), "");
 }
