@@ -42,11 +42,13 @@ def _find_reader(folder: str) -> None:
                           f"of Sunder in the preferences of the add-on, where {named or 'nothing'} is named") from None
 
 
-def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = False, reader: str = "") -> list[Any]:
+def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = False, reader: str = "", frames: str = "",
+         notes: list[str] | None = None) -> list[Any]:
     """Imports a run folder into the present scene; returns the objects of its pieces and bodies.
 
-    `speed` says how fast time runs; 0: each frame of the run is a frame here. Raises ImportError, OSError, ValueError, and
-    CommandError or VtpError of the reader.
+    `speed` says how fast time runs; 0: each frame of the run is a frame here. `frames` says which, as `sunder export --frames`;
+    "": all. What is worth a note, such as cracks that grow within a picture, is printed, and added to `notes`. Raises ImportError,
+    OSError, ValueError, and CommandError or VtpError of the reader.
     """
     if not 0.0 <= speed < float("inf"):
         raise ValueError(f"speed is {speed:g}, must be above 0, such as 0.1 for a second in ten, or 0: a frame of the run is one here")
@@ -56,6 +58,8 @@ def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = Fals
     from sunder_tools.pictures.between import key_frames
     from sunder_tools.pictures.frames import list_frames
     from sunder_tools.pictures.look import origins
+    from sunder_tools.pictures.pace import as_argument, tell_pace
+    from sunder_tools.pictures.picked import pick
     from sunder_tools.pictures.story import story_of
     from sunder_tools.report.run_folder import not_a_run
     from sunder_tools.report.scene_text import known_words
@@ -63,9 +67,15 @@ def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = Fals
     wrong = not_a_run(run)
     if wrong:
         raise ValueError(wrong)
-    frames, times = key_frames(list_frames(run), fps, speed or None)
+    chosen = list_frames(run)
+    if frames:
+        chosen = [chosen[k] for k in pick(frames, chosen)]
+    told = tell_pace(run, chosen, fps, speed or None, not frames, as_argument)
+    if notes is not None:
+        notes += told
+    shown, times = key_frames(chosen, fps, speed or None)
     words = known_words(run, "import")
-    things = story_of(frames, words, origins(run, words), middle)
+    things = story_of(shown, words, origins(run, words), middle)
     scene = bpy.context.scene
     scene.render.fps, scene.render.fps_base = max(round(fps), 1), max(round(fps), 1) / fps
     scene.frame_start, scene.frame_end = 0, int(np.ceil(times[-1] * fps - 1e-6))
@@ -78,7 +88,7 @@ def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = Fals
             groups[thing.group] = bpy.data.collections.new(thing.group)
             top.children.link(groups[thing.group])
         found.append(_add_thing(thing, groups[thing.group], times * fps))
-    _add_cracks(frames, times * fps, words.shells, groups, top)
+    _add_cracks(shown, times * fps, words.shells, groups, top)
     scene.frame_set(0)
     return found
 
@@ -134,7 +144,7 @@ def _add_shape(name: str, shape: Any, parent: Any, collection: Any, at: np.ndarr
     corners = np.concatenate([slot.first + slot.triangles for slot in shape.slots]).astype(np.int32)
     which = np.repeat(np.arange(len(shape.slots), dtype=np.int32), [len(slot.triangles) for slot in shape.slots])
     kept, vertex = np.arange(len(shape.points[0])), corners
-    if shape.rigid:  # its triangles share no vertices: here they do, so that edges are closed
+    if len(shape.point):  # of a body, whose triangles share no vertices: here they do, so that edges are closed
         _, kept, back = np.unique(shape.point, return_index=True, return_inverse=True)
         vertex = back.reshape(-1)[corners].astype(np.int32)
         area = (vertex != np.roll(vertex, 1, axis=1)).all(axis=1)  # triangles at the poles of a ball have none
@@ -165,7 +175,7 @@ def _add_shape(name: str, shape: Any, parent: Any, collection: Any, at: np.ndarr
         mesh.attributes.new("run_velocity", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", start)
     if np.isfinite(shape.damage).all():
         mesh.attributes.new("damage", "FLOAT", "POINT").data.foreach_set("value", _flat(shape.damage[kept]))
-    if shape.rigid:  # sharp edges are in the normals of corners
+    if len(shape.point):  # sharp edges are in the normals of corners
         mesh.normals_split_custom_set(shape.normals[0][corners.ravel()].tolist())
         if hasattr(mesh, "use_auto_smooth"):  # until 4.0
             mesh.use_auto_smooth = True
@@ -280,6 +290,7 @@ _DIRECTORY = bpy.props.StringProperty(subtype="DIR_PATH")
 _FPS = bpy.props.FloatProperty(name="Frames a second", default=24.0, min=1.0)
 _SPEED = bpy.props.FloatProperty(name="Speed", default=0.0, min=0.0, precision=6,
                                  description="How fast time runs; 0: each frame of the run is a frame")
+_FRAMES = bpy.props.StringProperty(name="Frames of the run", description="As 0-20,last or 3ms-20ms; empty: all")
 _MIDDLE = bpy.props.BoolProperty(name="Middle surfaces of shells", default=False)
 
 
@@ -299,6 +310,7 @@ class ImportSunderRun(bpy.types.Operator):
     directory: _DIRECTORY
     fps: _FPS
     speed: _SPEED
+    frames: _FRAMES
     middle: _MIDDLE
 
     def invoke(self, context: Any, event: Any) -> set[str]:
@@ -309,12 +321,15 @@ class ImportSunderRun(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Imports it; reports what is wrong."""
         addon = context.preferences.addons.get(__name__)
+        notes: list[str] = []
         try:
-            load(self.directory, self.fps, self.speed, self.middle, addon.preferences.reader if addon else "")
+            load(self.directory, self.fps, self.speed, self.middle, addon.preferences.reader if addon else "", self.frames, notes)
         except Exception as error:  # noqa: BLE001: whatever it is, the user is to see it
             said = str(error) or type(error).__name__
             self.report({"ERROR"}, said if self.directory.rstrip("/") in said else f"{self.directory}: {said}")
             return {"CANCELLED"}
+        for note in notes:
+            self.report({"INFO"}, note)
         return {"FINISHED"}
 
 

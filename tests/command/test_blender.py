@@ -23,8 +23,8 @@ from .synthetic import write_vtp
 from .test_animated import SCENE, Parting
 from .test_view import InAFolder
 
-READ = ("pictures.between", "pictures.frames", "pictures.look", "pictures.materials", "pictures.story", "report.appearance",
-        "report.run_folder", "report.scene_text")
+READ = ("pictures.between", "pictures.frames", "pictures.look", "pictures.materials", "pictures.pace", "pictures.picked",
+        "pictures.story", "report.appearance", "report.run_folder", "report.scene_text")
 ADDON = REPOSITORY / "coupler" / "blender"
 # What Blender has made, as numbers: {frame: {object: centre, or corners of its visible meshes}}.
 SCRIPT = """

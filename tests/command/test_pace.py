@@ -7,7 +7,7 @@ import unittest
 import numpy as np
 
 from sunder_tools.pictures.frames import Frame
-from sunder_tools.pictures.pace import growth, pace_note
+from sunder_tools.pictures.pace import as_argument, fast_note, growth, pace_note
 
 from .test_render import OfARun
 from .test_view import InAFolder
@@ -64,8 +64,26 @@ class Notes(InAFolder):
         write_series(self)
         frames = [*frames_each(1e-4, 101), Frame(1e4, {})]
         note = pace_note(self.folder, frames, None, 0.1)
-        self.assertRegex(note, r"--speed \S+ --frames 2-1[12] shows that")
+        self.assertRegex(note, r"--speed \S+ with --frames 2-1[12] shows that")
         self.assertEqual(pace_note(self.folder, frames, None, 0.1, some=False), "")
+
+    def test_a_long_film_is_told_with_the_part_in_which_cracks_grow(self) -> None:
+        write_series(self)
+        frames = frames_each(1e-4, 601)
+        note = pace_note(self.folder, frames, None, 0.1)
+        found = re.search(r"the film has (\d+), or (\d+) with --frames (\d+)-(\d+)\.? ?", note)
+        assert found is not None, note
+        self.assertGreater(int(found[1]), 480)
+        self.assertTrue(24 <= int(found[2]) <= 30, note)
+        first, last = int(found[3]), int(found[4])
+        self.assertTrue(frames[first].time_s <= BEGINS and frames[last].time_s >= 1.1e-3, note)
+        self.assertNotIn(", or", pace_note(self.folder, frames_each(1e-5, 201), None, 0.1))
+        self.assertIn('speed=0.001 spreads', pace_note(self.folder, frames, None, 0.1, True, as_argument))
+        self.assertIn('frames="2-', pace_note(self.folder, frames, None, 0.1, True, as_argument))
+
+    def test_a_film_faster_than_life_is_told(self) -> None:
+        self.assertEqual(fast_note(20.0), "--speed 20 shows 20 s of the run in a second; --speed 0.05 is 20 times slower than life")
+        self.assertEqual([fast_note(None), fast_note(1.0), fast_note(0.1)], ["", "", ""])
 
     def test_no_note_where_nothing_grows_or_the_time_is_a_load_step(self) -> None:
         self.assertEqual(pace_note(self.folder, frames_each(1e-3, 5), None, 0.1), "")

@@ -30,7 +30,7 @@ from sunder_tools.pictures.meshes import Scene, load_scene
 from sunder_tools.pictures.motion import body_velocity
 from sunder_tools.pictures.palette import STOPS, ramp
 from sunder_tools.pictures.raster import Camera, perspective_camera
-from sunder_tools.pictures.render import parse_view, pick
+from sunder_tools.pictures.render import parse_view
 from sunder_tools.report.scene_text import SCENE_COPY, Words, parse_text, words_of
 
 from .mesh_files import read_glb
@@ -183,14 +183,6 @@ class Stills(OfARun):
             self.assertEqual(status, 0, said)
         for path in sorted((self.folder / "a").iterdir()):
             self.assertEqual(path.read_bytes(), (self.folder / "b" / path.name).read_bytes())
-
-    def test_frames_that_are_asked_for(self) -> None:
-        self.assertEqual(pick("0,5,7-last", 10), [0, 5, 7, 8, 9])
-        self.assertEqual(pick("all", 3), [0, 1, 2])
-        for spec, why in (("10", "not among the frames 0 to 9"), ("5-3", "not among"), ("x", "is no frame"), ("", "is no frame"),
-                          ("-1", "is no frame"), ("1-2-3", "is no frame")):
-            with self.assertRaisesRegex(CommandError, why):
-                pick(spec, 10)
 
     def test_what_is_refused(self) -> None:
         for arguments, why in ((("--size", "0x5"), "is no size"), (("--size", "100"), "is no size"), (("--view", "0,95"), "no view"),

@@ -21,7 +21,7 @@ def add_parser(subparsers: Subparsers) -> None:
         "and a mesh file (OBJ) for each of them, and a table, objects.csv.", "sunder export runs/glass --gltf glass.glb")
     add_run_folder(parser)
     add_choice(parser, "--format", ("ply", "gltf"), "default: ply", "ply")
-    parser.add_argument("--frames", metavar="LIST", help="numbers such as 0,5,10-20,last (default: all)")
+    parser.add_argument("--frames", metavar="LIST", help="numbers such as 0,5,10-20,last, or times\nsuch as 7.5ms or 10ms-20ms (default: all)")
     parser.add_argument("--gltf", metavar="FILE", type=Path, help="one animated file, .glb")
     parser.add_argument("--usd", metavar="FILE", type=Path, help="the same as USD, .usda")
     parser.add_argument("--pc2", metavar="DIR", type=Path, help="the same as point caches and OBJ, in a folder")

@@ -21,7 +21,7 @@ def add_parser(subparsers: Subparsers) -> None:
     add_run_folder(parser)
     parser.add_argument("--film", action="store_true", help="a film of all frames, or of those of --frames")
     parser.add_argument("--sheet", action="store_true", help="draw contact_sheet.png again, and nothing else")
-    parser.add_argument("--frames", metavar="LIST", help="all, or numbers such as 0,5,10-20,last")
+    parser.add_argument("--frames", metavar="LIST", help="all, numbers such as 0,5,10-20,last,\nor times such as 7.5ms or 10ms-20ms")
     parser.add_argument("--out", metavar="PATH", type=Path,
                         help="folder of the stills; file of the film, .mp4, .webm, .gif or\n.png (animated)")
     parser.add_argument("--size", metavar="WxH", type=_size, default=(1280, 720), help="pixels (default: 1280x720)")

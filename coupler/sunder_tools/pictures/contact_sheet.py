@@ -63,7 +63,7 @@ def write_contact_sheet(folder: Path) -> Path:
         low, high = close if _within(scene.shards, *close) else boxes(frames[0], [scenes[0], scene])[1]
         samples = (size[0] * SAMPLES, size[1] * SAMPLES)
         view = _image(draw_scene(scene, perspective_camera(low, high, direction, *samples), *samples))
-        _caption(view, moment_text(frame))
+        _caption(view, moment_text(frame) if frame.step else f"{moment_text(frame)}   frame {frames.index(frame)}")
         row, column = divmod(k, columns)
         sheet.paste(view, (GAP + column * (size[0] + GAP), HEAD + row * (size[1] + GAP)))
     sheet.paste(lower, (0, top))

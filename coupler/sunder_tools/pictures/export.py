@@ -30,7 +30,8 @@ from .materials import material_of_body, material_of_shards, material_of_shell, 
 from .mesh import Mesh, mesh_of
 from .meshes import weld
 from .pace import tell_pace
-from .render import put_in_place, frames_of, pick, telling
+from .picked import pick
+from .render import put_in_place, frames_of, telling
 from .thick import corner_normals
 
 FORMATS = ("ply", "gltf")
@@ -114,7 +115,7 @@ def export(folder: Path, kind: str, out: Path | None, spec: str | None, fps: flo
     With `speed` there is a file for each picture of a film, numbered from 0. `middle`: shells have no thickness.
     """
     frames = frames_of(folder, "export")
-    numbers = pick(spec or "all", len(frames))
+    numbers = pick(spec or "all", frames)
     if speed is not None:
         chosen = [frames[k] for k in numbers]
         tell_pace(folder, chosen, fps, speed, spec is None)

@@ -12,7 +12,8 @@ from .between import FPS, MOST_FRAMES, film_frames, key_frames
 from .look import origins
 from .pace import tell_pace
 from .pc2 import write_caches
-from .render import frames_of, pick, put_in_place, telling
+from .picked import pick
+from .render import frames_of, put_in_place, telling
 from .story import MOST_STEPS, story_of
 from .usda import usda_text
 
@@ -26,7 +27,7 @@ def export_one(folder: Path, kind: str, target: Path, spec: str | None, fps: flo
     _check(kind, target)
     frames = frames_of(folder, "export")
     if spec is not None:
-        frames = [frames[k] for k in pick(spec, len(frames))]
+        frames = [frames[k] for k in pick(spec, frames)]
     tell_pace(folder, frames, fps, speed, spec is None)
     frames, times = (film_frames if kind == CACHES else key_frames)(frames, fps, speed)
     words = known_words(folder, "export")

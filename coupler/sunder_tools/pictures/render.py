@@ -32,6 +32,7 @@ from .memory import keep_memory
 from .meshes import load_scene
 from .motion import body_velocity, shell_velocity
 from .pace import tell_pace
+from .picked import pick
 from .raster import perspective_camera
 from .soft import speeds
 from .views import as_bytes, draw_scene
@@ -81,21 +82,6 @@ def parse_view(text: str) -> tuple[float, float]:
     return azimuth, elevation
 
 
-def pick(spec: str, count: int) -> list[int]:
-    """Reads numbers of frames: 'all', or a list such as '0,5,10-20,last'. Raises CommandError."""
-    found: list[int] = []
-    for word in spec.split(","):
-        word = word.strip()
-        ends = ["0", "last"] if word == "all" else word.split("-")
-        numbers = [count - 1 if e == "last" else int(e) if e.isascii() and e.isdigit() else -1 for e in ends]
-        if len(numbers) > 2 or min(numbers) < 0:
-            raise CommandError(f"--frames {spec}: '{word}' is no frame; give e.g. all, 12, 0,5,last or 10-20")
-        if max(numbers) >= count or numbers[0] > numbers[-1]:
-            raise CommandError(f"--frames {spec}: '{word}' is not among the frames 0 to {count - 1}")
-        found += range(numbers[0], numbers[-1] + 1)
-    return sorted(set(found))
-
-
 def frames_of(folder: Path, command: str) -> list[Frame]:
     """Returns all frames of a run. Raises CommandError where there are none."""
     existing_run(folder, command)
@@ -122,7 +108,7 @@ def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | 
             print(write_contact_sheet(folder))
         return DONE
     if spec is not None:
-        numbers = pick(spec, len(frames))
+        numbers = pick(spec, frames)
     elif film:
         numbers = list(range(len(frames)))
     else:
