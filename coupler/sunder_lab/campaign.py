@@ -39,7 +39,8 @@ Look = Callable[[Planned, Results], None]
 
 @dataclass
 class Settings:
-    """Ways to run a series; none changes a result. `jobs` 0: as many as the processors can run at once."""
+    """Ways to run a series; none changes a result. `jobs` 0: as many as the processors can run at once. `check`: whether
+    the solver's own check is asked before the first run."""
     out: Path | str
     jobs: int = 0
     executor: str = "local"
@@ -47,6 +48,7 @@ class Settings:
     keep: str = "last"
     sbatch: list[str] = field(default_factory=list)
     quiet: bool = False
+    check: bool = True
 
     def make(self) -> Executor:
         """Returns the executor. Raises CommandError for an unknown one."""
@@ -55,6 +57,15 @@ class Settings:
         if self.executor == "slurm":
             return Slurm(Path(self.out).resolve(), self.threads, self.jobs, self.sbatch)
         raise CommandError(f"--executor {self.executor}: there are local and slurm")
+
+    def jobs_at_once(self) -> int:
+        """Returns how many runs there are at a time; 1 where that is not known."""
+        return self.jobs or (default_jobs(self.threads) if self.executor == "local" else 1)
+
+    def say(self, words: str, always: bool = False) -> None:
+        """Prints progress on stderr."""
+        if always or not self.quiet:
+            print(f"sunder: {words}", file=sys.stderr, flush=True)
 
 
 def member(out: Path | str, name: str) -> Results:
@@ -187,5 +198,4 @@ class Campaign:
 
     def say(self, words: str, always: bool = False) -> None:
         """Prints progress on stderr."""
-        if always or not self.settings.quiet:
-            print(f"sunder: {words}", file=sys.stderr, flush=True)
+        self.settings.say(words, always)

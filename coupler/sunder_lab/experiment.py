@@ -13,6 +13,7 @@ from sunder_tools.pictures.units import valued, words_and_unit
 from sunder_tools.words import did_you_mean
 
 from .campaign import Campaign, Measure, Planned, Settings
+from .forecast import announce
 from .impact import impact
 from .measures import Stated
 from .member import Member
@@ -252,11 +253,17 @@ class Experiment:
         by = random.Random(f"{path} {seed} {repeat}").uniform(-1.0, 1.0) * self.scatter[path]
         scene[path] = float(scene[path]) + by
 
+    def announce(self, settings: Settings) -> None:
+        """Prints what `sunder check` says of the scenes. Raises CommandError where all are refused."""
+        announce(self.name, self.plan(), settings)
+
     def run(self, settings: Settings | Path | str) -> Table:
         """Runs members that have not been run, and writes results.csv, results.sqlite, times.csv and plots.png into
         a folder."""
         planned = self.plan()
         settings = settings if isinstance(settings, Settings) else Settings(settings)
+        if settings.check:
+            self.announce(settings)
         with Campaign(settings) as campaign:
             campaign.run(planned, self._look if self.plots and not self._all_stated() else None)
             results, times = campaign.table(planned, self._measured)

@@ -1,7 +1,6 @@
 """`sunder sweep FILE`: runs the experiments that a Python file defines."""
 from __future__ import annotations
 
-import re
 import runpy
 import sys
 import traceback
@@ -13,6 +12,7 @@ from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError, Int
 
 from .campaign import MEMBERS, Settings, warnings_of
 from .experiment import Experiment
+from .forecast import kinds
 from .member import RUN_FOLDER
 from .table import Cell, Table
 from .v50 import V50, Ballistic
@@ -25,10 +25,13 @@ def sweep(file: Path, settings: Settings) -> int:
     found = series_of(file)
     for series in found:
         series.plan()  # reports errors of all series before the first one runs
+    places = {series.name: Path(settings.out) / (series.name if len(found) > 1 else "") for series in found}
+    for series in found:
+        series.announce(replace(settings, out=places[series.name]))
     status = DONE
     for series in found:
-        out = Path(settings.out) if len(found) == 1 else Path(settings.out) / series.name
-        here = replace(settings, out=out)
+        out = places[series.name]
+        here = replace(settings, out=out, check=False)
         done = series.run(here)
         if isinstance(done, Table):
             status = max(status, _tell_table(series, done))
@@ -85,12 +88,10 @@ def _settings(table: Table, row: dict[str, Cell]) -> str:
 def _warnings(out: Path, table: Table) -> list[str]:
     """What the runs of a series warn of, a line for each kind: how many runs, and the first of them, its settings and its folder,
     in its own words."""
-    kinds: dict[str, list[tuple[dict[str, Cell], str]]] = {}
-    for row in table:
-        for warning in warnings_of(out / MEMBERS / str(row["member"]) / RUN_FOLDER) or []:
-            kinds.setdefault(re.sub(r"[0-9.eE+-]*[0-9][0-9.eE+-]*", "N", warning), []).append((row, warning))
+    told = [(row, warning) for row in table
+            for warning in warnings_of(out / MEMBERS / str(row["member"]) / RUN_FOLDER) or []]
     return [f"warning          {len({row['member'] for row, _ in found})} of {len(table)} runs, first {_settings(table, found[0][0])} "
-            f"({found[0][0]['member']}): {found[0][1]}" for found in kinds.values()]
+            f"({found[0][0]['member']}): {found[0][1]}" for found in kinds(told)]
 
 
 def _unsettled(table: Table) -> list[str]:

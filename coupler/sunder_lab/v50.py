@@ -13,6 +13,7 @@ from sunder_tools.pictures.plots import Line, Panel
 
 from .campaign import Campaign, Planned, Settings
 from .experiment import SEED_PATH, Parameter, To
+from .forecast import announce
 from .impact import impact, perforable, perforated, struck
 from .member import Member, write_atomically
 from .scene import Results, Scene
@@ -114,11 +115,18 @@ class V50:
         through = perforated(results, self.body) if self.through is perforated else self.through(results)
         return {"perforated": through, **impact(self.body)(results)}
 
+    def announce(self, settings: Settings) -> None:
+        """Prints what `sunder check` says of both ends of the range. Raises CommandError where both are refused."""
+        halvings = max(0, math.ceil(math.log2((self.high - self.low) / self.tolerance)))
+        announce(self.name, self.plan(), settings, len(self.seeds) * (2 + halvings))
+
     def run(self, settings: Settings | Path | str) -> Ballistic:
         """Runs until every pane is decided. Writes results.csv, results.sqlite, times.csv, v50.json, plots.png."""
         settings = settings if isinstance(settings, Settings) else Settings(settings)
         ranges = {seed: [self.low, self.high] for seed in self.seeds}
         planned = self.plan()
+        if settings.check:
+            self.announce(settings)
         lost: set[int] = set()
         with Campaign(settings) as campaign:
             fresh = planned
