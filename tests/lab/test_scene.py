@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import tempfile
@@ -162,6 +163,18 @@ class Files(unittest.TestCase):
         self.assertEqual((own.returncode, Path(copy).is_file()), (2, True), own.stderr)
         self.assertIn("is a file of it; give another --out", own.stderr)
         self.assertEqual(sunder.impact()(again), sunder.impact()(one))
+
+    def test_books_have_bodies_and_no_work_of_gravity(self) -> None:
+        """As the page of run.json says: a free pane and a thrown ball fall, and nothing touches."""
+        scene = sunder.Scene.load(sunder.SCENES / "intact_pane.textproto").set({
+            "bodies[ball].pose.position.z": 5.0, "shells[pane].plate.elements_x": 20, "shells[pane].plate.elements_y": 20,
+            "end_time_s": 2e-3, "gravity.z": -1000.0})
+        del scene.find("shells[pane]").supports[:]
+        energy = scene.run(self.here / "out", threads=1).energy
+        pane, ball = 2500.0 * 0.004 * 0.3 ** 2, 7800.0 * 4.0 / 3.0 * math.pi * 0.01 ** 3  # [kg]
+        # the ball comes with 3 m/s, and 1000 m/s^2 add 2 m/s to both; leapfrog is exact for a constant force
+        self.assertAlmostEqual(energy["kinetic"] / (0.5 * pane * 2.0 ** 2 + 0.5 * ball * 5.0 ** 2), 1.0, delta=1e-6)
+        self.assertEqual(energy["external_work"], 0.0)
 
     def test_a_run_that_is_refused_raises(self) -> None:
         scene = sunder.Scene.load(ACRYLIC)
