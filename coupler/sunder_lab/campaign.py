@@ -5,11 +5,12 @@ from __future__ import annotations
 import fcntl
 import os
 import sys
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Mapping
+from typing import Any, Callable, Iterator, Mapping
 
-from sunder_tools.errors import CommandError
+from sunder_tools.errors import CommandError, Interrupted
 from sunder_tools.launch import engines
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.launch.needs import reads_cad
@@ -180,6 +181,17 @@ class Campaign:
             self.say(f"runs of {len(programs)} different builds of the solver are in this table, see times.csv; a new "
                       "--out runs all anew", always=True)
         return Table(rows), Table(times)
+
+    @contextmanager
+    def kept(self, planned: list[Planned], measure: Measure) -> Iterator[None]:
+        """Context of runs: where they are interrupted, tables of what is done are written, and it is said how far it is."""
+        try:
+            yield
+        except (Interrupted, KeyboardInterrupt):
+            self.write(*self.table(planned, measure))
+            done = sum(is_done(self.place(p.member)) for p in planned)
+            self.say(f"{done} of {len(planned)} runs done, in {self.folder / 'results.csv'}; the same command goes on", always=True)
+            raise
 
     def write(self, results: Table, times: Table) -> None:
         """Writes results.csv, times.csv, and results.sqlite with both."""

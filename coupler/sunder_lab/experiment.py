@@ -265,7 +265,8 @@ class Experiment:
         if settings.check:
             self.announce(settings)
         with Campaign(settings) as campaign:
-            campaign.run(planned, self._look if self.plots and not self._all_stated() else None)
+            with campaign.kept(planned, self._measured):
+                campaign.run(planned, self._look if self.plots and not self._all_stated() else None)
             results, times = campaign.table(planned, self._measured)
             campaign.write(results, times)
             self._draw(Table(row for row in results if row["status"] == "done"), campaign)

@@ -131,7 +131,8 @@ class V50:
         with Campaign(settings) as campaign:
             fresh = planned
             while fresh:
-                campaign.run(fresh)
+                with campaign.kept(planned, self._measured):
+                    campaign.run(fresh)
                 again = []
                 for row in campaign.table(fresh, self._measured)[0]:
                     seed, speed = row["seed"], row["speed_m_per_s"]

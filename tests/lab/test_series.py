@@ -127,16 +127,23 @@ class Sweeps(unittest.TestCase):
             time.sleep(0.05)
 
     def test_interrupted_it_says_so_and_leaves_nothing(self) -> None:
-        file = sweeps.write_file(self.here / "long.py", [30], end="2e-3")
+        file = sweeps.write_file(self.here / "long.py", [], parameters='{"end_time_s": [4e-6, 2e-3]}')
+        file.write_text(file.read_text().replace('"speed", "crack', '"end_time_s", "crack').replace("8e-6", "4e-6").replace(
+            '"end_time_s": 3e-5,', '"window_s": 1e-6,'))
         process = sweeps.start(str(file), "--out", str(self.out), "--jobs", "2")
-        while not list(self.out.glob("members/*/run/shell.log")):
-            self.assertIsNone(process.poll())
+        while len(list(self.out.glob("members/*/run/shell.log"))) < 3:
+            self.assertIsNone(process.poll(), process.stderr)
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=1800)
         self.assertEqual(process.returncode, 130, err)
         self.assert_nothing_runs()
-        self.assertEqual(sweeps.outcomes(self.out), {})
+        self.assertEqual(len(sweeps.outcomes(self.out)), 2)
+        self.assertTrue(err.endswith(f"sunder: 2 of 4 runs done, in {self.out}/results.csv; the same command goes on\n"
+                                     "sunder: interrupted\n"), err)
+        rows = self.results()
+        self.assertEqual([row["status"] for row in rows], ["done", "done", "not run", "not run"])
+        self.assertEqual([row["impulse_N_s"] != "" for row in rows], [True, True, False, False])
 
     def test_a_folder_is_for_one_series(self) -> None:
         file = sweeps.write_file(self.here / "some.py", [30], end="5e-2")  # it is killed long before
