@@ -14,7 +14,7 @@ from sunder_tools.errors import CommandError, Interrupted
 from sunder_tools.launch import engines
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.launch.needs import reads_cad
-from sunder_tools.pictures.plots import Panel, write_panels
+from sunder_tools.pictures.plots import ENDINGS, Panel, write_panels
 from sunder_tools.report.run_json import read_run
 
 from .executors import Executor, Local, Slurm, default_jobs
@@ -41,7 +41,7 @@ Look = Callable[[Planned, Results], None]
 @dataclass
 class Settings:
     """Ways to run a series; none changes a result. `jobs` 0: as many as the processors can run at once. `check`: whether
-    the solver's own check is asked before the first run."""
+    the solver's own check is asked before the first run. `plots`: ending of a file of the plots beside plots.png, svg or pdf."""
     out: Path | str
     jobs: int = 0
     executor: str = "local"
@@ -50,6 +50,7 @@ class Settings:
     sbatch: list[str] = field(default_factory=list)
     quiet: bool = False
     check: bool = True
+    plots: str = ""
 
     def make(self) -> Executor:
         """Returns the executor. Raises CommandError for an unknown one."""
@@ -89,6 +90,8 @@ class Campaign:
     def __init__(self, settings: Settings) -> None:
         """Opens the folder. Raises CommandError where it is no folder of a series, or another series is running in
         it."""
+        if settings.plots and f".{settings.plots}" not in ENDINGS:
+            raise CommandError(f"plots '{settings.plots}': there are {', '.join(ending[1:] for ending in ENDINGS)}")
         if settings.keep not in KEEP:
             raise CommandError(f"keep '{settings.keep}': there are {', '.join(KEEP)}")
         self.settings, self.executor, self.folder = settings, settings.make(), Path(settings.out)
@@ -200,13 +203,16 @@ class Campaign:
         write_sqlite(self.folder / "results.sqlite", {"results": results, "times": times})
 
     def draw(self, panels: list[Panel], name: str) -> None:
-        """Writes plots into the folder; says why where that cannot be, since results are there all the same."""
-        (self.folder / name).unlink(missing_ok=True)
-        try:
-            if panels:
-                write_panels(panels, self.folder / name)
-        except (CommandError, OSError) as error:
-            self.say(f"{name} is not drawn: {error}", always=True)
+        """Writes plots into the folder as NAME.png, and with another ending where that is asked for. Says why where that
+        cannot be, since results are there all the same."""
+        for ending in ENDINGS:
+            (self.folder / name).with_suffix(ending).unlink(missing_ok=True)
+        for ending in dict.fromkeys((".png", f".{self.settings.plots}" if self.settings.plots else ".png")):
+            try:
+                if panels:
+                    write_panels(panels, (self.folder / name).with_suffix(ending))
+            except (CommandError, OSError) as error:
+                self.say(f"{name}{ending} is not drawn: {error}", always=True)
 
     def say(self, words: str, always: bool = False) -> None:
         """Prints progress on stderr."""

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Iterator, Mapping, Sequence, Union
 
+import numpy as np
+
 from sunder_tools.errors import CommandError
 from sunder_tools.pictures.plots import Line, Panel
 from sunder_tools.pictures.units import valued, words_and_unit
@@ -18,13 +20,17 @@ from .impact import impact
 from .measures import Stated
 from .member import Member
 from .scene import Results, Scene, Value
-from .table import Cell, Table
+from .table import ENOUGH, Cell, Table
 
 SEED_PATH = "fracture.seed"
-# Columns of every table; no parameter and no measure may use these names.
-# measures that are never below 0 and are no whole numbers
+# Measures that are never below 0, as lengths and areas are not. An energy of a body that strikes what is at rest is not
+# either; a shell that moves or is stressed at the start may give some back.
 NOT_NEGATIVE = ("mean_force_N", "impulse_N_s", "contact_until_s", "crack_length_m", "largest_piece_m2", "median_piece_m2", "mean_piece_m2",
-                "dent_in_m3", "dent_out_m3", "energy_fracture_J")
+                "dent_in_m3", "dent_out_m3", "energy_lost_J", "energy_motion_J", "energy_elastic_J", "energy_fracture_J",
+                "energy_plastic_J", "energy_faces_J", "energy_damping_J")
+ROUND_OFF = 1e-9  # of a column's largest value: below zero by less is zero
+HOLLOW = "hollow: ended before or during contact (settled is 0)"
+# Columns of every table; no parameter and no measure may use these names.
 OWN = ("member", "seed", "repeat", "status", "error", "warnings")
 
 To = Union[str, Sequence[str], Mapping[str, Callable[[Any], Value]], Callable[[Scene, Any], None]]
@@ -57,8 +63,10 @@ class Plot:
     """A panel of plots.png: the mean of column `y` over seeds and repeats at each `x`, with its 95 % confidence
     interval, and every run as a dot. There is a line for each value of column `by`.
 
-    Error bars end at `least`, below which `y` cannot be. Where it is None, that is 0 for whole numbers of which none is negative
-    and for the measures of NOT_NEGATIVE; other columns have no such end.
+    Error bars end at `least`, below which `y` cannot be. Where it is None, that is 0 for whole numbers and for the measures of
+    NOT_NEGATIVE, as long as no run has a negative one; other columns have no such end.
+
+    Runs whose `settled` is 0 are hollow, and so are means that contain one.
     """
     x: str
     y: str
@@ -85,25 +93,32 @@ class Plot:
             part = table.where(**{self.by: key}) if self.by else table
             means = [m for m in part.means(self.y, [self.x]) if m.count]
             counts |= {m.count for m in means}
-            dots = [(x, y) for x, y in zip(part[self.x], part[self.y])] if any(m.count > 1 for m in means) else []
+            early = part["settled"] == 0.0 if "settled" in part.columns else np.zeros(len(part), bool)
+            dots = list(zip(part[self.x], part[self.y], early)) if any(m.count > 1 for m in means) else []
+            hollow = {row[self.x] for row, no in zip(part, early) if no and row[self.y] is not None}
             lines.append(Line(valued(self.by, key) if self.by else "",
-                              [m.key[self.x] for m in means], [m.mean for m in means], [m.half for m in means], dots))
+                              [m.key[self.x] for m in means], [m.mean for m in means], [m.half for m in means],
+                              [(x, y) for x, y, no in dots if not no], hollow=[m.key[self.x] in hollow for m in means],
+                              hollow_dots=[(x, y) for x, y, no in dots if no]))
         return Panel(self.title or f"{words_and_unit(self.y)[0]} over {words_and_unit(self.x)[0]}", self.x, self.y, lines, self.logarithmic,
-                     bars=_runs(counts), least=self._least(table))
+                     bars=_runs(counts), least=self._least(table), hollow=HOLLOW)
 
     def _least(self, table: Table) -> float | None:
         """Returns where error bars end."""
-        if self.least is not None or self.y in NOT_NEGATIVE:
-            return self.least or 0.0
+        if self.least is not None:
+            return self.least
         values = [row[self.y] for row in table if row[self.y] is not None]
-        return 0.0 if values and all(isinstance(v, int) and v >= 0 for v in values) else None
+        least = -ROUND_OFF * max((abs(v) for v in values), default=0.0)
+        known = self.y in NOT_NEGATIVE or all(isinstance(v, int) for v in values)
+        return 0.0 if values and known and min(values) >= least else None
 
 
 def _runs(counts: set[int]) -> str:
     """Says what error bars are, of as many runs at each place; '' where there are none."""
     if max(counts, default=0) < 2:
         return ""
-    return f"mean ± 95 % interval, {min(counts)}{f' to {max(counts)}' if len(counts) > 1 else ''} runs a point"
+    few = f": take {ENOUGH} or more" if min(counts) < ENOUGH else ""
+    return f"mean ± 95 % interval, {min(counts)}{f' to {max(counts)}' if len(counts) > 1 else ''} runs a point{few}"
 
 
 def _numbers(values: Sequence[Any]) -> bool:
@@ -280,7 +295,7 @@ class Experiment:
                 panels.append(plot.panel(done))
             except CommandError as error:
                 campaign.say(f"{plot.words()}: {error}", always=True)
-        campaign.draw(panels, "plots.png")
+        campaign.draw(panels, "plots")
 
     def _measured(self, results: Any) -> dict[str, Any]:
         out: dict[str, Any] = {}

@@ -4,17 +4,20 @@ from __future__ import annotations
 import runpy
 import sys
 import traceback
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Union
 
 from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError, Interrupted
+from sunder_tools.pictures.plots import ENDINGS
 
 from .campaign import MEMBERS, Settings, warnings_of
 from .experiment import Experiment
 from .forecast import kinds
 from .member import RUN_FOLDER
-from .table import Cell, Table
+from .statistics import student
+from .table import ENOUGH, Cell, Table
 from .v50 import V50, Ballistic
 
 Series = Union[Experiment, V50]
@@ -35,13 +38,13 @@ def sweep(file: Path, settings: Settings) -> int:
         done = series.run(here)
         if isinstance(done, Table):
             status = max(status, _tell_table(series, done))
-            for line in [*_warnings(out, done), *_unsettled(done)]:
+            for line in [*_warnings(out, done), *_unsettled(done), *_few(done)]:
                 print(line)
         else:
             status = max(status, _tell_v50(series, done))
         print(f"table            {out / 'results.csv'}, {out / 'results.sqlite'}")
-        if (out / "plots.png").is_file():
-            print(f"plots            {out / 'plots.png'}")
+        if drawn := [str(out / f"plots{ending}") for ending in ENDINGS if (out / f"plots{ending}").is_file()]:
+            print(f"plots            {', '.join(drawn)}")
     return status
 
 
@@ -104,6 +107,27 @@ def _unsettled(table: Table) -> list[str]:
             "(settled is 0): what they give as final is of that moment; set a later end_time_s"] if early else []
 
 
+def _few(table: Table) -> list[str]:
+    """A line where seeds and repeats are too few for means that can be trusted."""
+    if "seed" not in table.columns or not len(table):
+        return []
+    chance = ("member", "seed", "repeat")
+    of = table.columns[:table.columns.index("status")]
+    runs = Counter(tuple(str(row[name]) for name in of if name not in chance) for row in table)
+    least = min(runs.values())
+    if least >= ENOUGH:
+        return []
+    wide = f"half of the 95 % interval of their mean is {student(0.95, least - 1):.3g} standard errors" if least > 1 else \
+        "nothing is known of their scatter"
+    return [f"warning          {least} run{'s' * (least > 1)} of the same values: {wide}; take {ENOUGH} seeds or more"] if least > 1 or \
+        _cracks(table) else []
+
+
+def _cracks(table: Table) -> bool:
+    """Whether cracks are measured in some run, so that seeds play a part."""
+    return any(row.get("crack_length_m") or row.get("radial_cracks") for row in table)
+
+
 def _tell_v50(series: Series, found: Ballistic) -> int:
     assert isinstance(series, V50)
     print(f"{series.name:<16} V50 {found.v50:.4g} m/s, {found.low:.4g} to {found.high:.4g} with {found.confidence:.1%} "
@@ -115,8 +139,8 @@ def _tell_v50(series: Series, found: Ballistic) -> int:
 
 
 def settings_of(file: Path, out: Path | None, jobs: int | None, executor: str, threads: int, keep: str,
-                sbatch: list[str], quiet: bool) -> Settings:
+                sbatch: list[str], quiet: bool, plots: str = "") -> Settings:
     """Reads the command line. The default folder is sweeps/NAME, so that a second call continues the series."""
     if sbatch and executor != "slurm":
         raise CommandError("--sbatch: is for --executor slurm", BAD_INPUT)
-    return Settings(out or Path("sweeps") / file.stem, jobs or 0, executor, threads, keep, sbatch, quiet)
+    return Settings(out or Path("sweeps") / file.stem, jobs or 0, executor, threads, keep, sbatch, quiet, plots=plots)

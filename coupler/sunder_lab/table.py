@@ -17,6 +17,8 @@ from sunder_tools.replacing import replacing
 
 from .statistics import student
 
+ENOUGH = 4  # runs of each point: with two, Student's t makes an interval of 12.7 standard errors either way, with four of 3.2
+
 Cell = Any  # float, int, str, bool or None
 
 

@@ -12,7 +12,7 @@ from sunder_tools.errors import CommandError
 from sunder_tools.pictures.plots import Line, Panel
 
 from .campaign import Campaign, Planned, Settings
-from .experiment import SEED_PATH, Parameter, To
+from .experiment import HOLLOW, SEED_PATH, Parameter, To
 from .forecast import announce
 from .impact import impact, perforable, perforated, struck
 from .member import Member, write_atomically
@@ -167,18 +167,20 @@ class V50:
 
     def _plot(self, results: Table, found: Ballistic, campaign: Campaign) -> None:
         done = Table(row for row in results if row["status"] == "done")
+        dots: dict[float, list[tuple[float, float]]] = {settled: [
+            (row["speed_m_per_s"], row["residual_velocity_m_per_s"]) for row in done if row["settled"] == settled] for settled in (0.0, 1.0)}
         at_once = sum(v == 0.0 for v in found.limits)  # perforated at the lower end of the range
         share = sorted(v for v in found.limits if math.isfinite(v) and v > 0.0)
         n = len(found.limits)
         first = at_once / n
         steps = [(v, (k + at_once + d) / n) for k, v in enumerate(share) for d in (0, 1)]
         campaign.draw([
-            Panel(f"{self.name}: share of panes perforated", "speed [m/s]", "share",
+            Panel(f"{self.name}: share of panes perforated", "impact speed [m/s]", "share of panes perforated",
                   [Line("share", [self.low, *(v for v, _ in steps), self.high],
                         [first, *(s for _, s in steps), (len(share) + at_once) / n])]),
-            Panel("residual velocity", "speed [m/s]", "residual [m/s]", [
-                Line("", [], [], dots=list(zip(done["speed_m_per_s"], done["residual_velocity_m_per_s"])))])],
-            "plots.png")
+            Panel("residual velocity", "impact speed [m/s]", "residual velocity [m/s]", [
+                Line("", [], [], dots=dots[1.0], hollow_dots=dots[0.0])], hollow=HOLLOW)],
+            "plots")
 
 
 def _finite(value: float) -> float | None:

@@ -24,7 +24,7 @@ WITHOUT = "matplotlib is not installed; apt-get install python3-matplotlib"
 class Units(unittest.TestCase):
     def test_names_of_columns_and_labels(self) -> None:
         for name, wanted in (("crack_length_m", ("crack length", "m")), ("residual_velocity_m_per_s", ("residual velocity", "m/s")),
-                             ("impulse_N_s", ("impulse", "N s")), ("energy_fracture_J", ("energy fracture", "J")),
+                             ("impulse_N_s", ("impulse", "N s")), ("energy_fracture_J", ("energy to fracture", "J")), ("pieces", ("number of pieces", "")),
                              ("time [s]", ("time", "s")), ("opening [um]", ("opening", "µm")), ("k H^2 / M", ("k H² / M", "")),
                              ("convex parts [-]", ("convex parts", "")), ("seed", ("seed", "")), ("pieces_s", ("pieces", "s"))):
             self.assertEqual(words_and_unit(name), wanted)
@@ -105,6 +105,29 @@ class Plots(unittest.TestCase):
             np.testing.assert_allclose([segment[:, 1] for segment in segments], [[low, 7.0], [3.0, 5.0]], atol=1e-9)
             self.assertTrue(low - 1.0 < axes.get_ylim()[0] < low + 1e-9 if least is None else -1.0 < axes.get_ylim()[0] <= 0.0)
 
+    def test_hollow_markers_are_told(self) -> None:
+        line = Line("", [1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [0.1] * 3, dots=[(1.0, 0.9)], hollow=[False, True, False],
+                    hollow_dots=[(2.0, 1.9), (2.0, 2.1)])
+        axes = self.axes(Panel("p", "x", "y", [line], hollow="not ended"))
+        open_ones = {tuple(one.get_xdata()) for one in axes.lines if one.get_marker() not in ("None", "")
+                     and one.get_markerfacecolor() in ("none", plots.PAPER)}
+        self.assertEqual(open_ones, {(2.0,), (2.0, 2.0), ()})  # the mean, its runs, and the sign in the legend
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["not ended"])
+        joined = [list(one.get_xdata()) for one in axes.lines if one.get_linestyle() == "-" and one.get_marker() == ""]
+        self.assertIn([1.0, 2.0, 3.0], joined)
+        self.assertIsNone(self.axes(Panel("p", "x", "y", [Line("", [1.0], [1.0])], hollow="not ended")).get_legend())
+
+    def test_upper_bounds_are_arrows_that_point_down(self) -> None:
+        line = Line("all", [1.0, 2.0], [0.5, 0.25], [0.1, 0.1], bound=[False, True], joined=False)
+        axes = self.axes(Panel("p", "cost [s]", "error", [line], True))
+        arrows = [text for text in axes.texts if text.arrow_patch is not None]
+        self.assertEqual([text.xy for text in arrows], [(2.0, 0.25)])
+        tail = arrows[0].xyann
+        self.assertLess(tail[1], 0.0)  # [points] from its place
+        self.assertEqual([len(bars.lines[2][0].get_segments()) for bars in axes.containers], [1])  # a bound has no bar
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["all"])
+        self.assertFalse([one for one in axes.lines if one.get_linestyle() == "-" and len(one.get_xdata()) > 1])
+
     def test_labels_of_points_are_apart_and_on_the_sheet(self) -> None:
         line = Line("front", [1.0, 1.05, 1.1, 10.0], [1.0, 0.98, 0.97, 0.1], labels=["first", "second", "third", "last"])
         figure = draw([Panel("p", "cost [s]", "error", [line, Line("others", [], [], dots=[(2.0, 0.5)])], True)])
@@ -130,10 +153,10 @@ class Plots(unittest.TestCase):
                 path = Path(folder) / f"plots{ending}"
                 write_plots([Curve(**low, panel="both"), Curve(**high, panel="both"), Curve(**low)], path)
                 self.assertTrue(path.read_bytes().startswith(start))
-            again = Path(folder) / "again.png"
-            write_plots([Curve(**low, panel="both"), Curve(**high, panel="both"), Curve(**low)], again)
-            self.assertEqual(again.read_bytes(), (Path(folder) / "plots.png").read_bytes())
-            self.assertEqual(len(list(Path(folder).iterdir())), 4)
+                again = Path(folder) / f"again{ending}"
+                write_plots([Curve(**low, panel="both"), Curve(**high, panel="both"), Curve(**low)], again)
+                self.assertEqual(again.read_bytes(), path.read_bytes())
+            self.assertEqual(len(list(Path(folder).iterdir())), 6)
 
 
 if __name__ == "__main__":

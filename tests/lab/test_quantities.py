@@ -271,12 +271,27 @@ class Plots(InFolder):
 
     def test_a_panel_says_what_its_bars_are_and_where_they_end(self) -> None:
         rows = [{"speed": v, "pieces": 1 + k, "mean_force_N": 0.5 * k, "height_m": 0.5 + k, "change": k - 1} for v in (1, 2) for k in range(2)]
-        for table, bars in ((sunder.Table(rows), "mean ± 95 % interval, 2 runs a point"), (sunder.Table(rows[::2]), ""),
-                            (sunder.Table([*rows, rows[0]]), "mean ± 95 % interval, 2 to 3 runs a point")):
+        for table, bars in ((sunder.Table(rows), "mean ± 95 % interval, 2 runs a point: take 4 or more"), (sunder.Table(rows[::2]), ""),
+                            (sunder.Table([*rows, rows[0]]), "mean ± 95 % interval, 2 to 3 runs a point: take 4 or more"),
+                            (sunder.Table(rows * 2), "mean ± 95 % interval, 4 runs a point")):
             self.assertEqual(sunder.Plot("speed", "pieces").panel(table).bars, bars)
         ends = {name: sunder.Plot("speed", name).panel(sunder.Table(rows)).least for name in ("pieces", "mean_force_N", "height_m", "change")}
         self.assertEqual(ends, {"pieces": 0.0, "mean_force_N": 0.0, "height_m": None, "change": None})
         self.assertEqual(sunder.Plot("speed", "height_m", least=0.5).panel(sunder.Table(rows)).least, 0.5)
+        for name, lowest, least in (("energy_lost_J", 0.1, 0.0), ("energy_motion_J", -1e-18, 0.0),  # round-off is no energy
+                                    ("energy_lost_J", -0.1, None), ("energy_missing_J", 0.1, None)):
+            with self.subTest(name, lowest=lowest):
+                table = sunder.Table([{"speed": 1, name: value} for value in (lowest, 1.0, None)])
+                self.assertEqual(sunder.Plot("speed", name).panel(table).least, least)
+
+    def test_runs_that_have_not_settled_are_hollow(self) -> None:
+        rows = [{"speed": v, "x": v + d, "settled": float(v != 2 or d > 0)} for v in (1, 2) for d in (-1.0, 1.0)]
+        line, = sunder.Plot("speed", "x").panel(sunder.Table(rows)).lines
+        self.assertEqual((line.dots, line.hollow_dots), ([(1.0, 0.0), (1.0, 2.0), (2.0, 3.0)], [(2.0, 1.0)]))
+        self.assertEqual(line.hollow, [False, True])
+        panel = sunder.Plot("speed", "x").panel(sunder.Table(rows[::2]))  # one run a point: the points are the runs
+        self.assertEqual((panel.lines[0].hollow, panel.lines[0].hollow_dots), ([False, True], []))
+        self.assertIn("hollow", panel.hollow)
 
 
 class Limits(unittest.TestCase):

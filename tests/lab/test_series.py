@@ -17,7 +17,7 @@ from typing import Callable
 
 from . import REPOSITORY, sweeps
 import sunder
-from sunder_lab.sweep import _unsettled, _warnings, series_of
+from sunder_lab.sweep import _few, _unsettled, _warnings, series_of
 from sunder_lab.table import Table
 from sunder_tools.pictures.plots import there
 
@@ -348,6 +348,24 @@ class Names(unittest.TestCase):
             for name, status, settled in (("a", "done", 1.0), ("b", "done", 0.0), ("c", "failed", None))])
         line, = _unsettled(rows)
         self.assertIn("1 of 2 runs end before the body has arrived or while it is still pushed", line)
+
+    def test_too_few_seeds_are_told(self) -> None:
+        def rows(seeds: int, crack: float = 0.0) -> Table:
+            return Table([{"member": f"{v}{s}", "speed": v, "seed": s, "status": "done", "crack_length_m": crack}
+                          for v in (1.0, 2.0) for s in range(seeds)])
+        self.assertRegex(_few(rows(2))[0], r"^warning +2 runs of the same values: half of the 95 % interval of their mean is 12.7 "
+                                           r"standard errors; take 4 seeds or more$")
+        self.assertIn("is 4.3 standard errors", _few(rows(3))[0])
+        self.assertEqual([_few(rows(4)), _few(rows(1)), _few(Table([]))], [[], [], []])  # alone, and nothing cracks
+        self.assertIn("1 run of the same values: nothing is known of their scatter; take 4", _few(rows(1, 0.1))[0])
+
+    def test_plots_are_also_written_for_print(self) -> None:
+        series = self.series(plots=[sunder.Plot("speed", "residual_velocity_m_per_s", by="law")], measure=sunder.impact("pellet"))
+        with self.assertRaisesRegex(sunder.Error, "plots 'eps': there are png, svg, pdf"):
+            series.run(Pretended(self.out, quiet=True, plots="eps"))
+        for plots, names in (("svg", {"plots.png", "plots.svg"}), ("png", {"plots.png"}), ("pdf", {"plots.png", "plots.pdf"})):
+            series.run(Pretended(self.out, quiet=True, plots=plots))
+            self.assertEqual({path.name for path in self.out.glob("plots.*")}, names if there() else set())
 
     def test_an_interval_of_less_than_four_rows_is_told_before_a_run(self) -> None:
         rows = float(coarse()["window_s"])

@@ -30,6 +30,7 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--threads", metavar="N", type=count, default=1, help="threads of each run (default: 1)")
     add_choice(parser, "--keep", ("last", "all", "none"),
                "frames that stay: first and last with crack lines of all times (default), all, or none", "last")
+    add_choice(parser, "--plots", ("png", "svg", "pdf"), "the plots also as plots.svg or plots.pdf", "png")
     parser.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
 
 
@@ -39,4 +40,4 @@ def run(arguments: argparse.Namespace) -> int:
     from sunder_lab import sweep
     return sweep.sweep(arguments.file, sweep.settings_of(
         arguments.file, arguments.out, arguments.jobs, arguments.executor, arguments.threads, arguments.keep,
-        arguments.sbatch, arguments.quiet))
+        arguments.sbatch, arguments.quiet, arguments.plots))

@@ -16,12 +16,14 @@ from ..replacing import replacing
 from .units import label, scale, words_and_unit
 
 SIZE_INCH, DOTS_PER_INCH = (7.6, 4.8), 100
-ENDINGS = (".png", ".svg", ".pdf")
+UNTOLD = {".png": "Software", ".svg": "Date", ".pdf": "CreationDate"}  # what differs between two files of one plot
+ENDINGS = tuple(UNTOLD)
 INK, GRID, PAPER = "#262e36", "#dee0e2", "#fafaf9"
 # Distinguishable with colour vision deficiencies (Okabe and Ito 2008); markers tell lines apart without colours.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 MARKERS = "osD^vP"
 BESIDE = 5.0   # [points] between error bars at the same place, so that none hides another
+ARROW = 16.0   # [points] length of an arrow down from an upper bound
 NAME_SIZE = 9  # [points] of names beside lines and of labels
 
 
@@ -43,14 +45,20 @@ class Curve:
 
 @dataclass(frozen=True)
 class Line:
-    """Points joined by a line; `half` gives half the length of each error bar. `dots` are not joined. `labels` are
-    written beside the points."""
+    """Points, joined by a line where `joined`; `half` gives half the length of each error bar. `dots` are not joined.
+    `labels` are written beside the points. Points where `hollow` is true, and `hollow_dots`, are not filled. Points where
+    `bound` is true are upper bounds, and arrows that point down."""
     name: str
     x: list[float]
     y: list[float]
     half: list[float] = field(default_factory=list)
     dots: list[tuple[float, float]] = field(default_factory=list)
     labels: list[str] = field(default_factory=list)
+    hollow: list[bool] = field(default_factory=list)
+    hollow_dots: list[tuple[float, float]] = field(default_factory=list)
+    bound: list[bool] = field(default_factory=list)
+    joined: bool = True
+    size: float = 5.0  # [points] of markers
 
 
 @dataclass(frozen=True)
@@ -64,6 +72,7 @@ class Panel:
     from_zero: bool = False  # shows small differences as small
     bars: str = ""           # what error bars are, below the words of the upright axis
     least: float | None = None  # where error bars end: the quantity cannot be less
+    hollow: str = ""            # what hollow markers are, for the legend
 
 
 def there() -> bool:
@@ -113,8 +122,9 @@ def draw(panels: list[Panel]) -> Any:
 def write_panels(panels: list[Panel], path: Path) -> None:
     """Draws all panels on one sheet. Raises CommandError where there is no matplotlib, OSError."""
     figure = draw(panels)
-    with replacing(path) as part:
-        figure.savefig(part, facecolor=PAPER, **({"metadata": {"Software": None}} if path.suffix == ".png" else {}))
+    from matplotlib import rc_context
+    with replacing(path) as part, rc_context({"svg.hashsalt": "sunder"}):  # the same plot has the same bytes
+        figure.savefig(part, facecolor=PAPER, metadata={UNTOLD[path.suffix]: None})
 
 
 def write_plots(curves: list[Curve], path: Path) -> None:
@@ -148,7 +158,7 @@ def _draw_panel(axes: Any, panel: Panel) -> _Texts:
     log = panel.logarithmic
     axes.set_facecolor(PAPER)
     axes.set_title(panel.name, loc="left", color=INK, fontsize=12)
-    points = [p for line in panel.lines for p in [*zip(line.x, line.y), *line.dots] if _good(*p, log)]
+    points = [p for line in panel.lines for p in [*zip(line.x, line.y), *line.dots, *line.hollow_dots] if _good(*p, log)]
     if not points:
         axes.set_axis_off()
         return _Texts()
@@ -173,20 +183,9 @@ def _draw_panel(axes: Any, panel: Panel) -> _Texts:
         if line in barred:
             beside = (barred.index(line) - 0.5 * (len(barred) - 1)) * BESIDE / 72.0
             where = where + ScaledTranslation(beside, 0.0, axes.figure.dpi_scale_trans)
-        dots = [(x * factors[0], y * factors[1]) for x, y in line.dots if _good(x, y, log)]
-        if dots:
-            axes.plot(*zip(*dots), linestyle="", alpha=0.35, markersize=5, markeredgewidth=0, transform=where, **style,
-                      label=line.name if line.name and not line.x else "_")
-        kept = [(x * factors[0], y * factors[1], _down(y, h, panel.least) * factors[1], h * factors[1]) for x, y, h in
-                zip(line.x, line.y, [*line.half, *[math.nan] * (len(line.x) - len(line.half))]) if _good(x, y, log)]
-        if not kept:
-            continue
-        x, y, _, _ = (list(column) for column in zip(*kept))
-        axes.plot(x, y, linewidth=1.8, markersize=5, transform=where, **style)
-        bars = [(a, b, min(low, 0.999999 * b) if log else low, h) for a, b, low, h in kept if math.isfinite(h)]
-        if bars:
-            at, middle, down, up = zip(*bars)
-            axes.errorbar(at, middle, [down, up], fmt="none", ecolor=style["color"], elinewidth=1.2, capsize=3, transform=where)
+        _draw_line(axes, line, panel, factors, {**style, "transform": where})
+    if panel.hollow and any(line.hollow_dots or any(line.hollow) for line in panel.lines):
+        axes.plot([], [], linestyle="", marker="o", markersize=5, color=INK, markerfacecolor="none", label=panel.hollow)
     axes.grid(color=GRID, linewidth=0.8)
     axes.set_axisbelow(True)
     for side in ("top", "right"):
@@ -198,11 +197,46 @@ def _draw_panel(axes: Any, panel: Panel) -> _Texts:
             axes.xaxis.get_major_locator().set_params(integer=True)
     if axes.get_legend_handles_labels()[1]:
         axes.legend(frameon=False, fontsize=NAME_SIZE, labelcolor=INK)
-    named = [(k, line) for k, line in enumerate(panel.lines) if line.name and len(panel.lines) > 1 and line.x]
+    named = [(k, line) for k, line in enumerate(panel.lines) if line.name and len(panel.lines) > 1 and line.x and line.joined]
     return _Texts([(line.x[-1] * factors[0], line.y[-1] * factors[1], line.name, COLOURS[k % len(COLOURS)])
                    for k, line in named if _good(line.x[-1], line.y[-1], log)],
                   [(x * factors[0], y * factors[1], text) for line in panel.lines
                    for x, y, text in zip(line.x, line.y, line.labels) if _good(x, y, log)])
+
+
+def _draw_line(axes: Any, line: Line, panel: Panel, factors: list[float], style: dict[str, Any]) -> None:
+    """Draws dots, points, error bars and bounds of one line."""
+    log = panel.logarithmic
+    alone = line.name if line.name and not (line.x and line.joined) else "_"  # in the legend; else it has its name beside it
+    for dots, look in ((line.dots, {"alpha": 0.35, "markeredgewidth": 0}), (line.hollow_dots, {"alpha": 0.6, "markerfacecolor": "none"})):
+        some = [(x * factors[0], y * factors[1]) for x, y in dots if _good(x, y, log)]
+        if some:
+            axes.plot(*zip(*some), linestyle="", markersize=line.size, **look, **style, label="_" if line.x else alone)
+    count = len(line.x)
+    halves = [*line.half, *[math.nan] * (count - len(line.half))]
+    marks = zip([*line.hollow, *[False] * (count - len(line.hollow))], [*line.bound, *[False] * (count - len(line.bound))])
+    kept = [(x * factors[0], y * factors[1], _down(y, h, panel.least) * factors[1], h * factors[1], hollow, bound)
+            for x, y, h, (hollow, bound) in zip(line.x, line.y, halves, marks) if _good(x, y, log)]
+    if not kept:
+        return
+    plain = line.joined and not any(k[4] or k[5] for k in kept)
+    if line.joined and not plain:
+        axes.plot([k[0] for k in kept], [k[1] for k in kept], linewidth=1.8, **{**style, "marker": ""})
+    for hollow, look in ((False, {}), (True, {"markerfacecolor": PAPER})):
+        some = [k[:2] for k in kept if k[4] == hollow and not k[5]]
+        if some:
+            axes.plot(*zip(*some), linestyle="-" if plain else "", linewidth=1.8, markersize=line.size, **look, **style, label=alone)
+            alone = "_"
+    bars = [(a, b, min(low, 0.999999 * b) if log else low, h) for a, b, low, h, _, bound in kept if math.isfinite(h) and not bound]
+    if bars:
+        at, middle, down, up = zip(*bars)
+        axes.errorbar(at, middle, [down, up], fmt="none", ecolor=style["color"], elinewidth=1.2, capsize=3, transform=style["transform"])
+    for x, y, _, _, _, bound in kept:
+        if bound:
+            axes.annotate("", (x, y), xytext=(0, -ARROW), textcoords="offset points",
+                          arrowprops={"arrowstyle": "<|-", "color": style["color"], "shrinkA": 0, "shrinkB": 0})
+    if tops := [k[:2] for k in kept if k[5]]:
+        axes.plot(*zip(*tops), linestyle="", markersize=line.size + 3, markeredgewidth=1.6, **{**style, "marker": "_"}, label=alone)
 
 
 def _set_limits(axes: Any, points: list[tuple[float, float]], panel: Panel) -> None:

@@ -14,10 +14,26 @@ PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 LONGEST = 0  # [exponent] seconds take none above
 AREAS = (("mm²", 1e6, 1e-3), ("cm²", 1e4, 1e-1))  # up to which area [m²]
 WRITTEN = {"um": "µm", "us": "µs", "m^2": "m²", "m2": "m²"}
+# columns of the project's own measures whose names alone do not say what they are
+WORDS = {
+    "energy_lost_J": "energy lost", "energy_motion_J": "energy to motion", "energy_elastic_J": "energy stored",
+    "energy_fracture_J": "energy to fracture", "energy_plastic_J": "energy to yielding", "energy_faces_J": "energy to crack faces",
+    "energy_contact_J": "energy to contact", "energy_damping_J": "energy to damping", "energy_frozen_J": "energy of frozen panes",
+    "energy_handoff_J": "energy that rigid shards cannot carry", "energy_engine_J": "energy to the engine",
+    "energy_other_J": "energy to healing and transfer", "energy_missing_J": "energy missing in the books",
+    "contact_until_s": "end of contact", "pieces": "number of pieces", "pieces_off": "number of pieces that came off",
+    "largest_piece_m2": "area of the largest piece", "median_piece_m2": "median area of pieces", "mean_piece_m2": "mean area of pieces",
+    "radial_cracks": "number of radial cracks", "dent_in_m3": "volume dented in", "dent_out_m3": "volume dented out",
+    "deepest_m": "depth of the dent", "mean_force_N": "largest mean force", "weibull_modulus": "Weibull modulus"}
 
 
 def words_and_unit(name: str) -> tuple[str, str]:
     """Splits a label such as 'time [s]', or the name of a column such as 'impulse_N_s'; '' where it has no unit."""
+    words, unit = _split(name)
+    return WORDS.get(name, words), unit
+
+
+def _split(name: str) -> tuple[str, str]:
     told = re.fullmatch(r"(.*\S)\s*\[([^\]]*)\]", name.strip())
     if told:
         return _plain(told[1]), "" if told[2] == "-" else WRITTEN.get(told[2], told[2])
