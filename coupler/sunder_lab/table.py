@@ -41,6 +41,24 @@ class Table:
         self.columns = list(dict.fromkeys(name for row in rows for name in row))
         self.rows = [{name: _plain(row.get(name)) for name in self.columns} for row in rows]
 
+    @staticmethod
+    def read(path: Path | str) -> "Table":
+        """Reads a table back that `write_csv` has written, as results.csv. Raises CommandError where there is none.
+
+        Cells are whole numbers, numbers or text, by what they look like; empty ones are None. Numbers are the same to the bit.
+        `member` is text, since a hash may look like a number.
+        """
+        try:
+            with Path(path).open(newline="", encoding="utf-8") as source:
+                found = [*csv.reader(source)]
+        except (OSError, UnicodeDecodeError) as error:
+            raise CommandError(f"{path}: cannot be read: {error}") from None
+        if not found or any(len(row) != len(found[0]) for row in found):
+            raise CommandError(f"{path}: is no table with a line of names and as many cells in every row")
+        out = Table({name: cell if name == "member" else _read(cell) for name, cell in zip(found[0], row)} for row in found[1:])
+        out.columns = found[0]
+        return out
+
     def __len__(self) -> int:
         return len(self.rows)
 
@@ -144,6 +162,13 @@ def _cell(value: Cell) -> str:
     if isinstance(value, bool):
         return str(int(value))  # as SQLite has it
     return repr(value) if isinstance(value, float) else re.sub(r"\s+", " ", str(value))
+
+
+def _read(cell: str) -> Cell:
+    """Reads what `_cell` has written."""
+    if re.fullmatch(r"-?\d+", cell):
+        return int(cell)
+    return float(cell) if re.fullmatch(r"-?(\d+\.\d*|\d+)(e[+-]\d+)?|-?inf", cell) else cell or None
 
 
 def _sql_name(name: str) -> str:

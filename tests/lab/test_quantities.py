@@ -241,6 +241,25 @@ class Tables(InFolder):
                 write_panels([Panel("", "", "", [])], self.here / "t.png")
         self.assertEqual(list(self.here.iterdir()), [])
 
+    def test_what_was_written_is_read_back(self) -> None:
+        table = sunder.Table([
+            {"member": "1234567890123456", "speed": 10, "x": 0.1 + 0.2, "law": "TIPS", "error": None},
+            {"member": "00e5", "speed": -3, "x": 1e-300, "law": "a, \"b\"", "error": "bad 1"},
+            {"member": "ab", "speed": 2, "x": math.inf, "law": "5e", "error": None}, {"member": "cd", "speed": 2, "x": 1e22}])
+        table.write_csv(self.here / "t.csv")
+        again = sunder.Table.read(self.here / "t.csv")
+        self.assertEqual((again.columns, again.rows), (table.columns, table.rows))
+        self.assertEqual(again.where(law="TIPS")["x"].tolist(), [0.1 + 0.2])
+        sunder.Table([]).write_csv(self.here / "t.csv")
+        for text, words in (("", "is no table"), ("a,b\n1\n", "as many cells in every row"), (None, "cannot be read")):
+            (self.here / "t.csv").unlink()
+            if text is not None:
+                (self.here / "t.csv").write_text(text)
+            else:
+                (self.here / "t.csv").mkdir()
+            with self.assertRaisesRegex(sunder.Error, words):
+                sunder.Table.read(self.here / "t.csv")
+
     def test_a_part_of_a_table_has_its_columns(self) -> None:
         self.assertEqual(self.TABLE.where(speed=99).columns, self.TABLE.columns)
         self.assertEqual(len(self.TABLE.where(x=math.nan)), sum(row["x"] is None for row in self.TABLE))
