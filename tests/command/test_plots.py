@@ -138,6 +138,8 @@ class Plots(unittest.TestCase):
             self.assertFalse(any(a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3] for b in boxes[k + 1:]))
         self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["others"])
         self.assertEqual((axes.get_xscale(), axes.get_xlabel()), ("log", "cost [s]"))
+        told = {text.get_text() for text in [*axes.get_yticklabels(), *axes.get_yticklabels(minor=True)]}
+        self.assertTrue({"0.1", "0.2", "1"} <= told and not any("10^" in text or "e-0" in text for text in told), told)
 
     def test_only_what_can_be_drawn_is(self) -> None:
         axes = self.axes(Panel("p", "x", "y", [Line("a", [0.0, 1.0, 2.0], [1.0, math.nan, 2.0])], True))

@@ -109,6 +109,9 @@ class Sweeps(unittest.TestCase):
         force = sunder.motion(sunder.member(self.out, self.results()[0]["member"])).largest_mean_force(8e-6)
         self.assertEqual(float(self.results()[0]["mean_force_N"]), force)
         self.assertEqual(float(self.results()[0]["mean_force_interval_s"]), 8e-6)
+        first = sunder.Table.read(self.out / "results.csv").rows[0]  # a row's scene, to run or to trade it alone
+        saved = sunder.Scene.load(sunder.member(self.out, first["member"]).scene.save(self.here / "one"))
+        self.assertEqual((-saved["bodies[pellet].twist.linear.z"], saved["fracture.seed"]), (first["speed"], first["seed"]))
         self.assertEqual(len({row["energy_fracture_J"] for row in self.results()}), 4)  # seeds and speeds differ, in cracks
         self.assertEqual((self.out / "plots.png").is_file(), there())
         self.assertEqual("plots.png is not drawn: there is no matplotlib" in err, not there(), err)

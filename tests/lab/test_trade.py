@@ -15,11 +15,12 @@ import numpy as np
 
 from . import REPOSITORY
 import sunder
-from sunder_lab.trade.judge import Gap, Judged, combinations, compared, front, gaps, own_errors
+from sunder_lab.trade.judge import Gap, Judged, alike, combinations, compared, front, fronts, gaps, own_errors
 from sunder_lab.trade.knobs import Change, Setting, changes_of, elements, finer
 from sunder_lab.trade.plan import Budget, reference_level, rounds
 from sunder_lab.trade.quantities import in_short, observed, prepared, shaken
-from sunder_lab.trade.trade import Trade
+from sunder_lab.trade.report import panel, tell
+from sunder_lab.trade.trade import Outcome, Row, Trade
 from sunder_tools.pictures.plots import there
 
 SUNDER = str(REPOSITORY / "coupler" / "sunder")
@@ -215,6 +216,41 @@ class Front(unittest.TestCase):
         found = front([judged("a", 1.0, 0.009), judged("b", 2.0, 0.001), judged("c", 0.5, 0.2), Judged("failed", 0.0, 0.0)])
         self.assertEqual([j.label for j in found], ["c", "a"])
 
+    def test_no_bound_is_on_the_front_and_no_error_takes_a_bound_off(self) -> None:
+        """The scene's own, with a bound of 69 %, beside a coarser one that errs by 54 %: it may be better, or worse."""
+        own, coarser = judged("own", 10.0, 0.5, 0.69), judged("coarser", 4.0, 0.54, 0.1)
+        coarsest, slow = judged("coarsest", 1.0, 0.6, 0.88), judged("slow", 20.0, 0.8, 0.1)
+        wide = judged("wide", 11.0, 0.5, 0.7)
+        first, bounds = fronts([own, coarser, coarsest, slow, wide])
+        self.assertEqual([j.label for j in first], ["coarser"])  # `slow` errs more than the bound of cheaper ones
+        self.assertEqual([j.label for j in bounds], ["coarsest", "own"])
+        self.assertEqual(fronts([judged("sure", 2.0, 0.2, 0.1), judged("bound", 1.0, 0.05, 0.1)])[0], [])  # 0.1 at most
+
+    def test_what_scatter_explains_is_like_the_scene_s_own(self) -> None:
+        def runs(*values: float) -> dict[int, dict[str, np.ndarray]]:
+            return {seed: {"pieces": np.array([value])} for seed, value in enumerate(values)}
+        own = runs(10.0, 20.0, 30.0, 40.0)
+        self.assertTrue(alike(runs(12.0, 19.0, 33.0, 37.0), own, ["pieces"], True))
+        self.assertFalse(alike(runs(12.0, 22.0, 32.0, 42.5), own, ["pieces"], True))
+        self.assertTrue(alike(runs(10.0), runs(10.0), ["pieces"], False))
+        self.assertFalse(alike(runs(10.0), runs(10.1), ["pieces"], False))
+        self.assertFalse(alike({}, own, ["pieces"], True))
+
+    def test_the_plot_has_a_front_of_errors_and_arrows_for_bounds(self) -> None:
+        rows = [Row(judged("own", 10.0, 0.5, 0.69), "own", {}, 4, on_bounds=True), Row(judged("a", 4.0, 0.54, 0.1), "one", {}, 4, on_front=True),
+                Row(judged("b", 5.0, 0.6, 0.1), "one", {}, 4, like_own=True), Row(judged("ref", 50.0, 0.0, 0.1), "reference", {}, 4)]
+        found = Outcome("x", rows, "ref", "b", {"impulse": 0.1}, True, 4, 1.0, 2.0, {}, {}, {})
+        front_line, one, _, own = panel(found).lines
+        self.assertEqual((front_line.x, front_line.y, front_line.labels), ([4.0], [0.54], ["a"]))
+        self.assertEqual((one.x, one.half, one.bound), ([4.0, 5.0], [0.1, 0.1], [False, False]))
+        self.assertEqual((own.x, own.y, own.bound, own.labels), ([10.0], [0.69], [True], ["own (the scene's)"]))
+        self.assertGreater(own.size, one.size)
+        told = tell(found)
+        self.assertIn("like own         b: of each quantity their difference is within its 95 % interval over 4 runs", told)
+        self.assertRegex(told, r"bounds \(<\) +own: ")
+        self.assertRegex(told, r"(?m)^< own .*<69%")
+        self.assertRegex(told, r"(?m)^\* a .*54%")
+
     def test_combinations_are_of_what_was_worth_it(self) -> None:
         own = judged("own", 10.0, 0.10)
         single = {"half": judged("half", 2.0, 0.20), "double": judged("double", 80.0, 0.03), "free": judged("free", 8.0, 0.10),
@@ -288,6 +324,10 @@ class Whole(unittest.TestCase):
                               capture_output=True, text=True, check=False, timeout=1800, env=dict(os.environ))
         return done.returncode, done.stdout, done.stderr
 
+    def runs(self) -> list[dict[str, str]]:
+        with (self.out / "results.csv").open(newline="") as source:
+            return list(csv.DictReader(source))
+
     def test_what_cannot_be_traded_is_refused_before_anything_runs(self) -> None:
         pane, empty = load("intact_pane"), load("intact_pane")
         empty.message.ClearField("shells")
@@ -325,9 +365,13 @@ class Whole(unittest.TestCase):
             self.assertEqual([row["setting"] for row in csv.DictReader(source)], list(rows))
         # the engine is another process's only: the same bits, and so the same error as the scene's own
         self.assertEqual(rows["engine inprocess"]["error"], rows["own"]["error"])
-        # too coarse for the ball: refused, told, and the rest goes on
-        self.assertIn("take more elements", rows["elements x0.5"]["why_not"])
-        self.assertIsNone(rows["elements x0.5"]["error"])
+        # too coarse for the ball, which is known beforehand: it is not run, and has no row
+        self.assertNotIn("elements x0.5", rows)
+        self.assertRegex(found["not_applicable"]["elements x0.5"], "^bad_scene: .*take more elements")
+        self.assertRegex(out, "not varied +elements x0.5: bad_scene: .*take more elements")
+        self.assertEqual({planned["setting"] for planned in self.runs()}, set(rows))
+        self.assertTrue(rows["engine inprocess"]["like_own"])
+        self.assertRegex(out, "like own .*engine inprocess.*: their results are equal")
         self.assertEqual(rows[found["reference"]]["error"], 0.0)
         self.assertEqual(rows[found["next_finest"]]["quantities"]["impulse"]["error"], found["reference_own_error"]["impulse"])
         for name in ("deflection", "impulse", "energy_taken"):
@@ -335,10 +379,15 @@ class Whole(unittest.TestCase):
         self.assertLessEqual(found["processor_s"], found["budget_s"])
         self.assertIn("crack_length", found["not_compared"])
         self.assertIn("not asked for", found["not_applicable"]["degree"])
-        self.assertTrue(found["front"])
-        self.assertIn(f"front (*)        {'; '.join(found['front'])}", out)
+        self.assertTrue(found["front"] or found["bounds"])
+        for label in found["front"]:
+            self.assertTrue(rows[label]["resolved"])
+            self.assertIn(f"* {label}", out)
+        for label in found["bounds"]:
+            self.assertFalse(rows[label]["resolved"])
+            self.assertIn(f"< {label}", out)
         self.assertEqual((self.out / "trade.png").is_file(), there())
-        # again: nothing is run but what was refused, and the same comes out
+        # again: nothing is run, and the same comes out
         before = {p: p.stat().st_mtime_ns for p in self.out.glob("members/*/run/usage.json")}
         table = (self.out / "trade.csv").read_bytes()
         status, _, err = self.trade(*arguments)

@@ -27,9 +27,9 @@ def trade(options: argparse.Namespace) -> int:
     one = Trade(scene, options.budget, options.seeds, [n for n in options.vary.split(",") if n], options.rigid,
                 options.scene.stem)
     found = one.run(Settings(out, options.jobs, threads=options.threads, quiet=options.quiet))
-    report.write(found, out, options.report)
+    report.write(found, out, options.report, options.plots)
     print(report.tell(found))
-    for what, name in (("table", "trade.csv"), ("plot", "trade.png"), ("all of it", "trade.json"), ("runs", "results.csv")):
+    for what, name in dict.fromkeys((("table", "trade.csv"), ("plot", "trade.png"), ("plot", f"trade.{options.plots}"), ("all of it", "trade.json"), ("runs", "results.csv"))):
         if (out / name).is_file():
             print(f"{what:<16} {out / name}")
     return DONE

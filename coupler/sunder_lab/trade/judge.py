@@ -116,6 +116,22 @@ def front(judged: Sequence[Judged], at_least: Mapping[str, float] | None = None)
     return out
 
 
+def fronts(judged: Sequence[Judged], at_least: Mapping[str, float] | None = None) -> tuple[list[Judged], list[Judged]]:
+    """The front of those whose error is known, and that of those of which only a bound is, cheapest first.
+
+    A bound takes others off the first front, since its error is no larger. Nothing takes a bound off but another bound: its
+    error may be far below.
+    """
+    return ([one for one in front(judged, at_least) if one.resolved],
+            front([one for one in judged if not one.resolved], at_least))
+
+
+def alike(runs: Runs, own: Runs, names: Iterable[str], chance: bool) -> bool:
+    """Whether scatter explains, of each quantity, what is between two settings, or there is nothing between them."""
+    found = gaps(runs, own, dict.fromkeys(names, 0.0), chance)
+    return bool(found) and not any(gap.resolved for gap in found.values())
+
+
 def combinations(own: Judged, single: Mapping[str, Judged], knob_of: Mapping[str, str],
                  exclusive: Sequence[frozenset[str]] = (), converging: Iterable[str] | None = None) -> list[tuple[str, ...]]:
     """Labels of single changes that may be worth more together, best guess of a front, cheapest first.

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from sunder_tools.errors import CommandError
-from sunder_tools.pictures.plots import Line, Panel, write_panels
+from sunder_tools.pictures.plots import ENDINGS, INK, Line, Panel, write_panels
 
 from ..member import write_atomically
 from ..table import Table
@@ -20,19 +20,21 @@ from .trade import Outcome, Row, as_json
 OWN = Setting().label
 
 
-def write(found: Outcome, folder: Path, json_file: Path | None) -> None:
-    """trade.csv, trade.json and, where matplotlib is there, trade.png into the folder of the trade; the JSON also where the
-    user wants it.
+def write(found: Outcome, folder: Path, json_file: Path | None, plots: str = "png") -> None:
+    """trade.csv, trade.json and, where matplotlib is there, trade.png into the folder of the trade, and the plot with another
+    ending too; the JSON also where the user wants it.
 
     Raises CommandError where that cannot be written.
     """
     table(found).write_csv(folder / "trade.csv")
     write_atomically(folder / "trade.json", as_json(found))
-    (folder / "trade.png").unlink(missing_ok=True)
-    try:
-        write_panels([panel(found)], folder / "trade.png")
-    except (CommandError, OSError) as error:
-        print(f"sunder: trade.png is not drawn: {error}", file=sys.stderr, flush=True)
+    for ending in ENDINGS:
+        (folder / f"trade{ending}").unlink(missing_ok=True)
+    for ending in dict.fromkeys(("png", plots)):
+        try:
+            write_panels([panel(found)], folder / f"trade.{ending}")
+        except (CommandError, OSError) as error:
+            print(f"sunder: trade.{ending} is not drawn: {error}", file=sys.stderr, flush=True)
     if json_file is not None:
         try:
             write_atomically(json_file, as_json(found))
@@ -48,7 +50,8 @@ def table(found: Outcome) -> Table:
         row: dict[str, Any] = {
             "setting": r.judged.label, "kind": r.kind, "runs": r.runs, "processor_s": r.judged.processor_s,
             "wall_s": r.judged.wall_s, "cost_ratio": r.judged.processor_s / own if own else math.nan,
-            "error": r.judged.error, "noise": r.judged.noise, "resolved": r.judged.resolved, "on_front": r.on_front}
+            "error": r.judged.error, "noise": r.judged.noise, "resolved": r.judged.resolved, "on_front": r.on_front,
+            "on_bounds": r.on_bounds, "like_own": r.like_own}
         for name in found.own_errors:
             gap = r.judged.gaps.get(name)
             row.update({f"{name} [{UNITS[name]}]": r.values.get(name), f"{name} error": gap and gap.error,
@@ -79,7 +82,7 @@ def tell(found: Outcome) -> str:
     lines = [f"{'':2}{'setting':<{width}} {'cpu s':>8} {'x own':>7} {'error':>7}  " + " ".join(f"{n:>13}" for n in names)]
     for r in found.rows:
         ratio = f"{r.judged.processor_s / own:>7.2f}" if own else f"{'-':>7}"
-        start = f"{'* ' if r.on_front else '  '}{_title(r):<{width}} {r.judged.processor_s:>8.3g} {ratio} "
+        start = f"{'* ' if r.on_front else '< ' if r.on_bounds else '  '}{_title(r):<{width}} {r.judged.processor_s:>8.3g} {ratio} "
         if r.error:
             lines.append(f"{start}  {r.error.splitlines()[-1]}")
         elif r.kind == "reference":
@@ -91,7 +94,13 @@ def tell(found: Outcome) -> str:
               f"                 its own errors (+-) are its differences to: {found.next_finest}"]
     lines.append(f"                 {found.seeds} runs of each; '<': within the 95 % interval of their difference, or below the "
                  "reference's own error" if found.chance else "                 '<': below the reference's own error")
-    lines.append(f"front (*)        {'; '.join(r.judged.label for r in found.on_front())}")
+    lines.append(f"front (*)        {'; '.join(r.judged.label for r in found.on_front()) or 'no error is told from none'}")
+    if found.on_bounds():
+        lines.append(f"bounds (<)       {'; '.join(r.judged.label for r in found.on_bounds())}: their errors are below what is written, "
+                     "and no cheaper setting has a smaller bound" + ("; they may be better than the front" if found.on_front() else ""))
+    if like := [r.judged.label for r in found.rows if r.like_own]:
+        why = f"of each quantity their difference is within its 95 % interval over {found.seeds} runs" if found.chance else "their results are equal"
+        lines.append(f"like own         {'; '.join(like)}: {why}, so do not prefer one for its error")
     lines.append(f"processor time   {found.spent_s / 60:.2g} of {found.budget_s / 60:.2g} min")
     for label, cost in found.over_budget.items():
         lines.append(f"over budget      {label}: about {cost:.3g} s more")
@@ -108,16 +117,18 @@ def _title(row: Row) -> str:
 
 
 def panel(found: Outcome) -> Panel:
-    """Error over cost, both logarithmic; the front is a line with its settings written beside it, the dashes of the bars
-    are what cannot be told from no error."""
-    def places(kinds: tuple[str, ...]) -> list[tuple[float, float]]:
-        return [(r.judged.processor_s, r.judged.height) for r in found.rows
-                if r.kind in kinds and r.judged.gaps and math.isfinite(r.judged.height)]
+    """Error over cost, both logarithmic. The front is a line with its settings written beside it. Bars are the noise; an
+    arrow is a bound, below which the error is not known."""
+    def points(name: str, kinds: tuple[str, ...], size: float = 5.0, colour: str = "") -> Line:
+        some = [r for r in found.rows if r.kind in kinds and r.judged.gaps and math.isfinite(r.judged.height)]
+        return Line(name, [r.judged.processor_s for r in some], [r.judged.height for r in some], [r.judged.noise for r in some],
+                    labels=[_title(r) if (r.kind == "own" or r.on_bounds) and not r.on_front else "" for r in some],
+                    bound=[not r.judged.resolved for r in some], joined=False, size=size, colour=colour)
 
     best = [r for r in found.on_front() if math.isfinite(r.judged.height)]
     lines = [Line("front", [r.judged.processor_s for r in best], [r.judged.height for r in best],
                   labels=[_title(r) for r in best]),
-             Line("one change", [], [], dots=places(("one", "next finest"))),
-             Line("together", [], [], dots=places(("together",))),
-             Line("the scene's own", [], [], dots=places(("own",)))]
-    return Panel(f"{found.scene}: error over cost", "processor time of a run [s]", "error against the reference", lines, True)
+             points("one change", ("one", "next finest")), points("together", ("together",)),
+             points("the scene's own", ("own",), size=10.0, colour=INK)]
+    return Panel(f"{found.scene}: error over cost", "processor time of a run [s]", "error against the reference", lines, True,
+                 bars="± noise; arrows down from upper bounds")

@@ -18,9 +18,9 @@ from sunder_tools.errors import CommandError
 from sunder_tools.launch.run import read_usage
 
 from ..campaign import Campaign, Planned, Settings
-from ..member import RUN_FOLDER, Member, outcome
+from ..member import RUN_FOLDER, Member, is_done, outcome
 from ..scene import Results, Scene
-from .judge import Judged, combinations, front, gaps, own_errors
+from .judge import Judged, alike, combinations, fronts, gaps, own_errors
 from .knobs import CONVERGING, KNOBS, Change, Setting, breaks, changes_of, finer
 from .plan import Budget, reference_level, rounds
 from .quantities import in_short, measured, observed, prepared, shaken
@@ -33,13 +33,16 @@ EXCLUSIVE = (frozenset({"layers", "bending"}), frozenset({"degree", "gauss_point
 @dataclass(frozen=True)
 class Row:
     """A setting of the table. `values`: means of the quantities over its runs; `kind`: own, reference, next finest, one
-    or together; `error` why it could not be judged, else ''."""
+    or together; `error` why it could not be judged, else ''. `on_bounds`: of its error only a bound is known, and no
+    cheaper setting has a smaller bound. `like_own`: scatter explains its difference to the scene's own."""
     judged: Judged
     kind: str
     values: dict[str, float]
     runs: int
     error: str = ""
     on_front: bool = False
+    on_bounds: bool = False
+    like_own: bool = False
 
 
 @dataclass
@@ -61,6 +64,10 @@ class Outcome:
     def on_front(self) -> list[Row]:
         """Cheapest first."""
         return sorted((r for r in self.rows if r.on_front), key=lambda r: r.judged.processor_s)
+
+    def on_bounds(self) -> list[Row]:
+        """Cheapest first."""
+        return sorted((r for r in self.rows if r.on_bounds), key=lambda r: r.judged.processor_s)
 
 
 @dataclass
@@ -133,8 +140,8 @@ class Trade:
             fine = [c for c in changes if self._as_fine(c, reference)]
             left.update({c.label: "as fine as the reference, or finer: there is nothing to hold it against" for c in fine})
             single = [Setting((c,)) for c in changes if c not in fine]
-            rounds(single, budget, at_once, lambda some: self._run(campaign, some, budget))
-            together = self._together(campaign, budget, changes, single, reference, errors, chance, at_once)
+            rounds(single, budget, at_once, lambda some: self._try(campaign, some, budget, left))
+            together = self._together(campaign, budget, changes, single, reference, errors, chance, at_once, left)
             kinds = {**{s.label: "one" for s in single}, **{s.label: "together" for s in together},
                      beside.label: "next finest", own.label: "own", reference.label: "reference"}
             bare = {s.label: s.converging.label for s in [*single, *together]}
@@ -153,7 +160,8 @@ class Trade:
         return ""
 
     def _together(self, campaign: Campaign, budget: Budget, changes: list[Change], single: list[Setting],
-                  reference: Setting, errors: dict[str, float], chance: bool, at_once: int) -> list[Setting]:
+                  reference: Setting, errors: dict[str, float], chance: bool, at_once: int,
+                  left: dict[str, str]) -> list[Setting]:
         """Combinations that may be on the front, run as far as the budget goes."""
         of = {c.label: c for c in changes}
         judged = {s.label: self._judged(s.label, reference, errors, chance) for s in single if s.label in self._runs}
@@ -165,7 +173,7 @@ class Trade:
             # what they have taken one by one is a better guess than the knobs' own
             parts = tuple(replace(of[label], cost=judged[label].processor_s / own.processor_s) for label in labels)
             out.append(Setting(parts))
-        rounds(out, budget, at_once, lambda some: self._run(campaign, some, budget))
+        rounds(out, budget, at_once, lambda some: self._try(campaign, some, budget, left))
         return out
 
     @staticmethod
@@ -174,16 +182,26 @@ class Trade:
         return change.knob in ("elements", "fidelity") and change.cost >= max(
             (c.cost for c in reference.changes if c.knob == "elements"), default=1.0) * (1.0 - 1e-9) and change.cost > 1.0
 
+    def _try(self, campaign: Campaign, settings: Sequence[Setting], budget: Budget, left: dict[str, str]) -> None:
+        """Runs those that the solver takes; of others, the reason goes to `left`."""
+        refused = {s.label: "" if all(is_done(campaign.place(p.member)) for p in self._members(s, budget.runs))
+                   else self._refused(s) for s in settings}
+        left.update({label: why.removeprefix(f"{label}: ").removeprefix("sunder-shell: ") for label, why in refused.items() if why})
+        taken = [setting for setting in settings if not refused[setting.label]]
+        if taken:
+            self._run(campaign, taken, budget)
+
     def _run(self, campaign: Campaign, settings: Sequence[Setting], budget: Budget) -> None:
         """All runs of these settings; what they gave and took is kept by label."""
         for setting in settings:
-            self._planned[setting.label] = [
-                Planned({"setting": setting.label, "seed": seed}, Member(
-                    shaken(setting.scene(prepared(self.scene)), seed), setting.engine(self.engine)))
-                for seed in range(budget.runs)]
+            self._planned[setting.label] = self._members(setting, budget.runs)
         campaign.run([p for s in settings for p in self._planned[s.label]])
         for setting in settings:
             self._keep(campaign, setting.label, budget)
+
+    def _members(self, setting: Setting, runs: int) -> list[Planned]:
+        return [Planned({"setting": setting.label, "seed": seed}, Member(
+            shaken(setting.scene(prepared(self.scene)), seed), setting.engine(self.engine))) for seed in range(runs)]
 
     def _keep(self, campaign: Campaign, label: str, budget: Budget) -> None:
         runs: dict[int, dict[str, np.ndarray]] = {}
@@ -230,8 +248,12 @@ class Trade:
             out.append(Row(judged, kind, values, len(runs), why))
         heights = {r.judged.label: r.judged.height for r in out if r.judged.gaps}
         least = {label: heights[other] for label, other in bare.items() if other != label and other in heights}
-        best = {j.label for j in front([r.judged for r in out if r.kind != "reference"], least)}
-        return [replace(r, on_front=r.judged.label in best) for r in sorted(out, key=lambda r: r.judged.processor_s)]
+        best, bounds = ({j.label for j in some} for some in fronts([r.judged for r in out if r.kind != "reference"], least))
+        own = Setting().label
+        like = {r.judged.label for r in out if r.judged.label != own and not r.error
+                and alike(self._runs[r.judged.label], self._runs[own], errors, chance)}
+        return [replace(r, on_front=r.judged.label in best, on_bounds=r.judged.label in bounds, like_own=r.judged.label in like)
+                for r in sorted(out, key=lambda r: r.judged.processor_s)]
 
     def _not_compared(self, errors: dict[str, float]) -> dict[str, str]:
         from .quantities import UNITS
@@ -258,9 +280,11 @@ def as_json(found: Outcome) -> dict[str, Any]:
         "settings": [{
             "setting": r.judged.label, "kind": r.kind, "runs": r.runs, "processor_s": number(r.judged.processor_s),
             "wall_s": number(r.judged.wall_s), "error": number(r.judged.error), "noise": number(r.judged.noise),
-            "resolved": bool(r.judged.resolved), "on_front": r.on_front, "why_not": r.error or None,
+            "resolved": bool(r.judged.resolved), "on_front": r.on_front, "on_bounds": r.on_bounds,
+            "like_own": r.like_own, "why_not": r.error or None,
             "quantities": {n: {"mean": number(v), "error": number(r.judged.gaps[n].error) if n in r.judged.gaps else None,
                                "noise": number(r.judged.gaps[n].noise) if n in r.judged.gaps else None}
                            for n, v in r.values.items()}} for r in found.rows],
         "front": [r.judged.label for r in found.on_front()],
+        "bounds": [r.judged.label for r in found.on_bounds()],
         "over_budget_s": found.over_budget, "not_applicable": found.not_applicable, "not_compared": found.not_compared}

@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from ..launch.build import ensure_built
-from .parser import Subparsers, add_command, add_scene, add_settings, count, positive_seconds
+from .parser import Subparsers, add_choice, add_command, add_scene, add_settings, count, positive_seconds
 
 NAME = "trade"
 
@@ -31,6 +31,7 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--threads", metavar="N", type=count, default=1, help="threads of each run (default: 1)")
     parser.add_argument("--jobs", metavar="N", type=count, default=1,
                         help="runs at a time (default: 1, which disturbs times least)")
+    add_choice(parser, "--plots", ("png", "svg", "pdf"), "the plot also as trade.svg or trade.pdf", "png")
     parser.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
 
 

@@ -59,6 +59,7 @@ class Line:
     bound: list[bool] = field(default_factory=list)
     joined: bool = True
     size: float = 5.0  # [points] of markers
+    colour: str = ""   # '' takes the next one
 
 
 @dataclass(frozen=True)
@@ -175,10 +176,11 @@ def _draw_panel(axes: Any, panel: Panel) -> _Texts:
     if log:
         axes.set_xscale("log")
         axes.set_yscale("log")
+        _plain_numbers(axes)
     _set_limits(axes, [(x * factors[0], y * factors[1]) for x, y in everything], panel)
-    barred = [line for line in panel.lines if any(math.isfinite(h) for h in line.half)]
+    barred = [line for line in panel.lines if line.joined and any(math.isfinite(h) for h in line.half)]
     for k, line in enumerate(panel.lines):
-        style = {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k % len(MARKERS)]}
+        style = {"color": line.colour or COLOURS[k % len(COLOURS)], "marker": MARKERS[k % len(MARKERS)]}
         where = axes.transData
         if line in barred:
             beside = (barred.index(line) - 0.5 * (len(barred) - 1)) * BESIDE / 72.0
@@ -190,7 +192,7 @@ def _draw_panel(axes: Any, panel: Panel) -> _Texts:
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    axes.tick_params(colors=INK)
+    axes.tick_params(which="both", colors=INK)
     if not log:
         axes.ticklabel_format(useOffset=False)
         if all(float(x).is_integer() for x, _ in points) and factors[0] == 1.0:  # seeds, numbers of things
@@ -201,7 +203,20 @@ def _draw_panel(axes: Any, panel: Panel) -> _Texts:
     return _Texts([(line.x[-1] * factors[0], line.y[-1] * factors[1], line.name, COLOURS[k % len(COLOURS)])
                    for k, line in named if _good(line.x[-1], line.y[-1], log)],
                   [(x * factors[0], y * factors[1], text) for line in panel.lines
-                   for x, y, text in zip(line.x, line.y, line.labels) if _good(x, y, log)])
+                   for x, y, text in zip(line.x, line.y, line.labels) if text and _good(x, y, log)])
+
+
+def _plain_numbers(axes: Any) -> None:
+    """Writes 0.4 beside logarithmic axes, not a power of ten, and between powers too where they are few."""
+    from matplotlib.ticker import LogFormatter
+
+    class Plain(LogFormatter):  # type: ignore[misc]
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return f"{x:g}" if super().__call__(x, pos) else ""
+
+    for ticks in (axes.xaxis, axes.yaxis):
+        ticks.set_major_formatter(Plain())
+        ticks.set_minor_formatter(Plain(minor_thresholds=(2, 0.5)))
 
 
 def _draw_line(axes: Any, line: Line, panel: Panel, factors: list[float], style: dict[str, Any]) -> None:
