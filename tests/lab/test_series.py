@@ -17,6 +17,7 @@ from typing import Callable
 
 from . import REPOSITORY, sweeps
 import sunder
+from sunder_lab.impact import ENERGIES
 from sunder_lab.sweep import _few, _unsettled, _warnings, series_of
 from sunder_lab.table import Table
 from sunder_tools.pictures.plots import there
@@ -199,6 +200,14 @@ class Shipped(unittest.TestCase):
         page = (REPOSITORY / "coupler" / "experiments" / "README.md").read_text()
         self.assertTrue(re.search(r"```python[^\n]*\n" + re.escape(text) + "```", page), "radial_cracks.py is not in the guide")
         self.assertLess(len(text.splitlines()), 30)
+
+
+    def test_the_guide_has_every_energy_of_an_impact(self) -> None:
+        page = (REPOSITORY / "coupler" / "experiments" / "README.md").read_text()
+        cells = re.search(r"\| NAME \|.*?\n\n", page, re.S)
+        assert cells is not None
+        names = [name for row in cells[0].strip().splitlines()[2:] for name in re.findall(r"`(\w+)`", row.split("|")[1])]
+        self.assertEqual(sorted(names), sorted(ENERGIES))
 
 
 class Plans(unittest.TestCase):
