@@ -21,6 +21,7 @@ from sunder_tools.launch.run import Job, run_scene
 from sunder_tools.places import REPOSITORY
 from sunder_tools.report.run_json import read_run
 from sunder_tools.report.scene_text import SCENE_COPY, parse_text
+from sunder_tools.words import did_you_mean, nearest
 
 from .results import RunArrays
 from .schema import assets_of, relative_asset, scene_class, with_preset
@@ -134,8 +135,7 @@ class Scene:
             at = _enter(at, step, path)
         field = at.DESCRIPTOR.fields_by_name.get(last)
         if field is None:
-            raise BadSetting(f"{path}: '{last}' is no field of {at.DESCRIPTOR.name}; it has: "
-                             f"{', '.join(f.name for f in at.DESCRIPTOR.fields)}")
+            raise _unknown(last, at, path)
         if field.label == field.LABEL_REPEATED or field.type == field.TYPE_MESSAGE:
             raise BadSetting(f"{path}: '{last}' is not a single value; set it in the message, scene.find(...)")
         return at, field
@@ -235,8 +235,7 @@ def _enter(at: Any, step: str, path: str) -> Any:
     element = element[:-1] if bracket and element.endswith("]") else ""
     field = at.DESCRIPTOR.fields_by_name.get(name)
     if field is None:
-        raise BadSetting(f"{path}: '{name}' is no field of {at.DESCRIPTOR.name}; it has: "
-                         f"{', '.join(f.name for f in at.DESCRIPTOR.fields)}")
+        raise _unknown(name, at, path)
     if field.type != field.TYPE_MESSAGE:
         raise BadSetting(f"{path}: '{name}' has no fields of its own")
     value = getattr(at, name)
@@ -248,7 +247,22 @@ def _enter(at: Any, step: str, path: str) -> Any:
     for number, part in enumerate(value):
         if element and element in (names[number], str(number)):
             return part
-    raise BadSetting(f"{path}: {name}[{element}] is not there; there are: {', '.join(names) or 'none'}")
+    if not bracket:
+        following = path.partition(f"{name}.")[2].split(".")[0]
+        which = following if following in names or following.isdigit() else "NAME"
+        raise BadSetting(f"{path}: '{name}' is a list; write {name}[{which}]; there are: {', '.join(names) or 'none'}")
+    raise BadSetting(f"{path}: {name}[{element}] is not there; {_near(element, names, 'there are')}")
+
+
+def _unknown(name: str, at: Any, path: str) -> BadSetting:
+    """The error of a field that a message does not have."""
+    names = [field.name for field in at.DESCRIPTOR.fields]
+    return BadSetting(f"{path}: '{name}' is no field of {at.DESCRIPTOR.name}; {_near(name, names, 'it has')}")
+
+
+def _near(word: str, names: list[str], all_of_them: str) -> str:
+    """'did you mean 'thickness_m'?', or all names where none is like it."""
+    return did_you_mean(word, names) if nearest(word, names) else f"{all_of_them}: {', '.join(names) or 'none'}"
 
 
 def _text(value: Value, field: Any) -> str:

@@ -48,10 +48,17 @@ class Paths(unittest.TestCase):
 
     def test_say_what_there_is(self) -> None:
         scene = sunder.Scene.load(ACRYLIC)
-        for path, words in (("bodies[ball].pose.position.z", "there are: pellet"), ("window", "it has: name, end_time_s"),
-                            ("fracture.mod", "it has: mode")):
-            with self.assertRaisesRegex(sunder.BadSetting, words):
+        plate = r"'shells' is a list; write shells\[plate\]; there are: plate$"
+        for path, words in (("bodies[ball].pose.position.z", "there are: pellet$"), ("bodies[pelet].mass", "did you mean 'pellet'\\?$"),
+                            ("window", r"'window' is no field of Scene; did you mean 'window_s'\?$"), ("fracture.mod", "did you mean 'mode'"),
+                            ("shells[plate].thicknes_m", "is no field of Shell; did you mean 'thickness_m' or [^:]*$"),
+                            ("shels[plate].layers", "did you mean 'shells'"), ("colour", "'colour' is no field of Scene; it has: name, "),
+                            ("shells.plate.thickness_m", plate), ("shells.0.layers", r"write shells\[0\]"),
+                            ("shells.layers", r"write shells\[NAME\]; there are: plate$")):
+            with self.subTest(path), self.assertRaisesRegex(sunder.BadSetting, words):
                 scene[path] = 1
+        with self.assertRaisesRegex(sunder.BadSetting, plate):
+            scene.find("shells.plate")
         with self.assertRaisesRegex(sunder.BadSetting, "TIPS, CUTS, DAMAGE"):
             scene["fracture.mode"] = "TOPS"
 
