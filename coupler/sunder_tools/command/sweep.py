@@ -15,8 +15,8 @@ def add_parser(subparsers: Subparsers) -> None:
     parser = add_command(
         subparsers, NAME, "run the experiments that a Python file defines",
         "Runs every combination of parameters and seeds that is not done yet, and writes results.csv,\n"
-        "results.sqlite, times.csv and plots.png. Ctrl-C writes the tables of what is done. Stopped or killed, it goes on\n"
-        "with the same command.\n"
+        "results.sqlite, times.csv and plots.png. Ctrl-C writes the tables of what is done.\n"
+        "Stopped or killed, it goes on with the same command.\n"
         "A run that fails is a row with its error, and exit status 1; the others are run.",
         "sunder sweep coupler/experiments/radial_cracks.py")
     parser.add_argument("file", metavar="FILE", type=Path, help="Python file with a sunder.Experiment or sunder.V50")
