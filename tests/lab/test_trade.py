@@ -19,7 +19,7 @@ from sunder_lab.trade.judge import Gap, Judged, alike, combinations, compared, f
 from sunder_lab.trade.knobs import Change, Setting, changes_of, elements, finer
 from sunder_lab.trade.plan import Budget, reference_level, rounds
 from sunder_lab.trade.quantities import in_short, observed, prepared, shaken
-from sunder_lab.trade.report import panel, tell
+from sunder_lab.trade.report import panel, tell, write
 from sunder_lab.trade.trade import Outcome, Row, Trade
 from sunder_tools.pictures.plots import there
 
@@ -250,6 +250,11 @@ class Front(unittest.TestCase):
         self.assertRegex(told, r"bounds \(<\) +own: ")
         self.assertRegex(told, r"(?m)^< own .*<69%")
         self.assertRegex(told, r"(?m)^\* a .*54%")
+        with tempfile.TemporaryDirectory() as folder:
+            for plots, names in (("svg", {"trade.png", "trade.svg"}), ("png", {"trade.png"})):
+                write(found, Path(folder), None, plots)
+                drawn = {path.name for path in Path(folder).iterdir()} - {"trade.csv", "trade.json"}
+                self.assertEqual(drawn, names if there() else set())
 
     def test_combinations_are_of_what_was_worth_it(self) -> None:
         own = judged("own", 10.0, 0.10)
