@@ -108,7 +108,7 @@ class Suites(unittest.TestCase):
     def test_one_engine_alone(self) -> None:
         self.assertEqual(self.validate({"beta": (GOOD, 0)}, "--rigid", "beta"), 0)
         self.assertEqual(len((self.folder / "log").read_text().splitlines()), 1)
-        for rigid, says in (("inprocess:alpha", "over the wire"), ("./nothing", "not an executable")):
+        for rigid, says in (("inprocess:alpha", "over the wire"), ("./nothing", "there is no such file")):
             self.assertEqual(self.validate({}, "--rigid", rigid), 2)
             self.assertIn(says, self.said.getvalue())
 

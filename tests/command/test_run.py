@@ -46,14 +46,15 @@ class RunCommand(unittest.TestCase):
         for name in ("tmp", "pids", "work"):
             (self.here / name).mkdir()
         write_executables(self.here / "build")
-        self.scene = self.here / "work" / "pane.textproto"
+        self.folder = self.here / "work"  # in which the command is given
+        self.scene = self.folder / "pane.textproto"
         self.scene.write_text("name: 'pane'\n")
 
     def start(self, *arguments: str, **environment: str) -> subprocess.Popen[str]:
         if arguments[0] == "run" and not self.pictures:
             arguments = (*arguments, "--no-pictures")
         process = subprocess.Popen(
-            [REPOSITORY / "coupler" / "sunder", *arguments], cwd=self.here / "work", text=True,
+            [REPOSITORY / "coupler" / "sunder", *arguments], cwd=self.folder, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
             env={**os.environ, "SUNDER_BUILD_DIR": str(self.here / "build"), "TMPDIR": str(self.here / "tmp"),
                  "FAKE_PIDS": str(self.here / "pids"), **environment})
@@ -248,7 +249,40 @@ class RunCommand(unittest.TestCase):
         self.assertEqual(self.run_to_end("run", str(self.scene), "--rigid", str(engine))[0], 0)
         status, _, err = self.run_to_end("run", str(self.scene), "--rigid", str(self.scene))
         self.assertEqual(status, 2)
-        self.assertIn("not an executable file", err)
+        self.assertIn(f"--rigid {self.scene}: is not an executable file; to make it one: chmod +x {self.scene}", err)
+        self.scene.chmod(0o755)  # the remedy: it is launched then
+        self.assertNotIn("not an executable", self.run_to_end("run", str(self.scene), "--rigid", str(self.scene))[2])
+        status, _, err = self.run_to_end("run", str(self.scene), "--rigid", "./nothing")
+        self.assertEqual(status, 2)
+        self.assertIn("--rigid ./nothing: there is no such file; give the path of a program", err)
+        self.assertIn("--rigid .//: is a folder; give", self.run_to_end("run", str(self.scene), "--rigid", ".//")[2])
+
+    def test_a_name_that_is_a_file_here_is_meant_as_a_path(self) -> None:
+        for name, words in (("bulet", "did you mean 'bullet'?"), ("bulet", "did you mean ./bulet, the file here?")):
+            status, _, err = self.run_to_end("run", str(self.scene), "--rigid", name)
+            self.assertEqual(status, 2)
+            self.assertIn(f"--rigid bulet: {words}", err)
+            (self.here / "work" / "bulet").write_text((self.here / "build" / "rigid" / "sunder-rigid").read_text())
+            (self.here / "work" / "bulet").chmod(0o755)
+        self.assertEqual(self.run_to_end("run", str(self.scene), "--rigid", "./bulet")[0], 0)  # the remedy
+
+    def test_no_engine_is_listed_twice(self) -> None:
+        dart = self.here / "build" / "rigid" / "sunder-rigid-dart"
+        dart.write_text("#!/bin/sh\n")
+        dart.chmod(0o755)
+        (self.here / "build" / "rigid" / "sunder-rigid").write_text(
+            "#!/bin/sh\n[ $1 = --list ] && echo bullet ode && exit 0\nexit 2\n")
+        err = self.run_to_end("run", str(self.scene), "--rigid", "qqqqq")[2]
+        self.assertIn("there are bullet, ode, ", err)
+        self.assertEqual(err.count("dart"), 1, err)
+
+    def test_the_last_words_of_an_engine_that_cannot_start_are_shown(self) -> None:
+        engine = self.here / "mine"
+        engine.write_text("#!/usr/bin/python3\nimport no_such_module\n")
+        engine.chmod(0o755)
+        status, _, err = self.run_to_end("run", str(self.scene), "--rigid", str(engine), FAKE_SHELL="deaf")
+        self.assertEqual(status, 3)
+        self.assertIn("(mine) ended with status 1 and said last: ModuleNotFoundError: No module named 'no_such_module'", err)
 
     def test_a_program_of_the_user_has_its_own_name(self) -> None:
         """However it ends: no message calls it by the name of the program that comes with the project."""

@@ -377,7 +377,7 @@ class Playing(Sessions):
                                  (["shells", "--session", str(self.path)], "engines --rigid ENGINE"),
                                  (["engines", "--rigid", "./x", "--session", str(self.path), "--case", "a"], "which has no cases"),
                                  (["engines", "--rigid", "inprocess:bullet", "--session", str(self.path)], "over the wire"),
-                                 (["engines", "--rigid", "./none", "--session", str(self.path)], "not an executable"),
+                                 (["engines", "--rigid", "./none", "--session", str(self.path)], "there is no such file"),
                                  (["engines", "--rigid", "tcp://1.2.3.4:5", "--session", str(self.path)], "without keys"),
                                  (["engines", "--tolerance", "1e-3"], "is for --session"),
                                  (["engines", "--rigid", "./x", "--session", str(self.folder / "none")], "--record")):

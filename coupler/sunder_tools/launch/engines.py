@@ -12,12 +12,13 @@ from pathlib import Path
 
 from ..errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
 from ..places import REPOSITORY
-from ..words import did_you_mean
+from ..words import command_line, did_you_mean
 from .build import Executables, ensure_built, how_dart_comes
 from .own_time import OwnTime
 from .socket_dir import SocketDir
 
 IN_PROCESS = "inprocess"
+IPC = "ipc://"
 DART = "dart"  # installed and built with its first run
 NODE_PROGRAMS = {name: REPOSITORY / "rigid" / name / f"sunder-rigid-{name}" for name in ("jolt", "mujoco")}
 PERIOD_S = 0.02     # between two looks
@@ -44,12 +45,38 @@ def in_process(text: str) -> str:
     return (inner or "bullet") if name == IN_PROCESS else ""
 
 
+def is_address(text: str) -> bool:
+    """Whether this is the address at which an engine waits."""
+    return re.match(r"(ipc|tcp)://", text) is not None
+
+
+def is_path(text: str) -> bool:
+    """Whether this is the path of a program, not a name or an address."""
+    return "/" in text and not is_address(text) and not in_process(text)
+
+
+def no_program(path: str) -> str:
+    """Why there is no program at this path, and what to do; '' where there is one."""
+    if os.path.isdir(path):
+        return "is a folder"
+    if not os.path.isfile(path):
+        return "there is no such file"
+    return "" if os.access(path, os.X_OK) else f"is not an executable file; to make it one: {command_line(['chmod', '+x', path])}"
+
+
+def from_anywhere(text: str) -> str:
+    """The same engine where paths in it do not depend on the working folder."""
+    if text.startswith(IPC) and not text.startswith(IPC + "@"):
+        return IPC + os.path.abspath(text.removeprefix(IPC))
+    return os.path.abspath(text) if is_path(text) else text
+
+
 def resolve(text: str, executables: Executables) -> Rigid:
     """NAME, inprocess[:NAME], the path of a program (with a '/'), or ipc://... or tcp://...
 
     Raises CommandError where there is no such program; names are for the engine's own --check.
     """
-    if re.match(r"(ipc|tcp)://", text):
+    if is_address(text):
         return Rigid(text, endpoint=text)
     inner = in_process(text)
     if inner:
@@ -57,11 +84,12 @@ def resolve(text: str, executables: Executables) -> Rigid:
             check(text, Rigid(text, in_process=inner), executables)
             ensure_built(targets=("sunder-single",))
         return Rigid(text, in_process=inner)
-    if "/" in text:
-        if not (os.path.isfile(text) and os.access(text, os.X_OK)):
-            raise CommandError(f"--rigid {text}: not an executable file; give an engine's name (see 'sunder engines'), "
-                               "an address (ipc://... or tcp://...) or the path of a program that takes --engine NAME "
-                               "--endpoint ADDRESS")
+    if is_path(text):
+        if wrong := no_program(text):
+            other = "" if os.path.isfile(text) else (
+                "; give the path of a program that takes --engine NAME --endpoint ADDRESS, an engine's name (see 'sunder engines') "
+                "or an address (ipc://... or tcp://...)")
+            raise CommandError(f"--rigid {text}: {wrong}{other}")
         return Rigid(text, command=(os.path.abspath(text), "--engine", Path(text).stem))
     if text in _under_node():
         from .node import ensure_node
@@ -74,14 +102,16 @@ def resolve(text: str, executables: Executables) -> Rigid:
 
 def check(text: str, rigid: Rigid, executables: Executables) -> None:
     """Raises CommandError where `text` names no engine, with the nearest names. Paths and addresses are not asked."""
-    if rigid.endpoint or "/" in text:
+    if rigid.endpoint or is_path(text):
         return
     command = [*(rigid.command or (str(executables.rigid), "--engine", rigid.in_process)), "--check"]
     found = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                            errors="replace", check=False)
     if found.returncode == BAD_INPUT:
         said = found.stderr.strip() or "refused without a reason"
-        hint = did_you_mean(rigid.in_process or text, [*names(executables), DART])
+        hint = did_you_mean(rigid.in_process or text, dict.fromkeys([*names(executables), DART]))
+        if os.path.isfile(text) and not rigid.in_process:
+            hint = f"did you mean ./{text}, the file here? A path needs a '/'"
         raise CommandError(f"{said}\n--rigid {text}: {hint} (see 'sunder engines')")
     if found.returncode != 0:
         raise CommandError(f"{found.stderr.strip()}\n{rigid.label} {how_it_ended(found.returncode)} while it was "

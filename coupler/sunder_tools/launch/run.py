@@ -260,12 +260,13 @@ def _verdict(ending: Ending, folder: Path, program: str) -> tuple[int, str]:
         refused = f"refused to go on after {windows} windows" if windows else "refused to start"
         return BAD_INPUT, f"{tail(folder / 'rigid.log', 5)}\nthe rigid-body process ({program}) {refused}".strip()
     if ending.shell_was_signalled:
-        what = of_rigid if rigid_died else f"the rigid-body process ({program}) ended early"
+        what = (f"{of_rigid}{_last_words(folder / 'rigid.log')}" if rigid_died
+                else f"the rigid-body process ({program}) ended early")
         return PEER_LOST, f"{what}, the fracture process did not end by itself and was stopped; see {folder}/rigid.log"
     if shell < 0 and (not (rigid_died and ending.rigid_first) or rigid == PEER_LOST):  # status 3 says that the shell ended first
         return PEER_LOST, f"the fracture process (sunder-shell) {how_it_ended(shell)}; see {folder}/shell.log"
     if (shell == PEER_LOST or shell < 0) and rigid_died:
-        return PEER_LOST, f"{of_rigid}; see {folder}/rigid.log"
+        return PEER_LOST, f"{of_rigid}{_last_words(folder / 'rigid.log')}; see {folder}/rigid.log"
     if shell == PEER_LOST:
         return PEER_LOST, f"the fracture process lost the rigid-body process ({program}); see {folder}/shell.log and rigid.log"
     if shell == DONE and rigid_died:
@@ -279,6 +280,12 @@ def _settle_run_json(folder: Path, status: int, message: str, ending: Ending, go
     """Completes run.json where the shell process could not say how the run ended. Where a process was lost, its message
     also says `going_on`."""
     written = run_json.read_run(folder).get("status")
+def _last_words(log: Path) -> str:
+    """The last line of a log, as a part of a sentence; '' where there is none."""
+    last = tail(log, 1).strip()
+    return f" and said last: {last}" if last else ""
+
+
     shell_was_cut = ending.shell < 0 or ending.shell_was_signalled or ending.killed_by_user
     try:
         if shell_was_cut:
