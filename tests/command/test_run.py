@@ -284,6 +284,50 @@ class RunCommand(unittest.TestCase):
         self.assertEqual(status, 3)
         self.assertIn("(mine) ended with status 1 and said last: ModuleNotFoundError: No module named 'no_such_module'", err)
 
+    def checkpointed(self, *arguments: str) -> Path:
+        """The folder of a run that can go on; its engine is ./mine beside the scene."""
+        engine = self.here / "work" / "mine"
+        engine.write_text((self.here / "build" / "rigid" / "sunder-rigid").read_text())
+        engine.chmod(0o755)
+        out = self.here / "out"
+        status, _, err = self.run_to_end("run", str(self.scene), "--out", str(out), "--rigid", "./mine", *arguments)
+        self.assertEqual(status, 0, err)
+        (out / "checkpoint").mkdir()
+        (out / "checkpoint" / "state").touch()
+        return out
+
+    def test_a_run_goes_on_with_its_own_engine(self) -> None:
+        out = self.checkpointed()
+        status, _, err = self.run_to_end("run", "--resume", str(out), "--rigid", "nosuchengine")
+        self.assertEqual(status, 2)
+        self.assertIn("continues with the scene, settings and engine of that run; leave --rigid out", err)
+        self.assertEqual(self.run_to_end("run", "--resume", str(out))[0], 0)  # the remedy
+
+    def test_a_run_goes_on_from_another_folder(self) -> None:
+        out = self.checkpointed()
+        engine = self.here / "work" / "mine"
+        self.assertEqual(json.loads((out / "command.json").read_text())["engine"], str(engine))
+        self.folder = self.here
+        self.assertEqual(self.run_to_end("run", "--resume", str(out))[0], 0)
+        moved = self.here / "mine"
+        engine.rename(moved)
+        status, _, err = self.run_to_end("run", "--resume", str(out))
+        self.assertEqual(status, 2)
+        self.assertIn(f"--resume {out}: {engine}: there is no such file. That run was made with it; put it back there, or write "
+                      f'its new path as "engine" into {out / "command.json"}', err)
+        kept = json.loads((out / "command.json").read_text())
+        (out / "command.json").write_text(json.dumps({**kept, "engine": str(moved)}))  # a remedy
+        self.assertEqual(self.run_to_end("run", "--resume", str(out))[0], 0)
+        (out / "command.json").write_text(json.dumps(kept))
+        moved.rename(engine)  # the other
+        self.assertEqual(self.run_to_end("run", "--resume", str(out))[0], 0)
+
+    def test_a_run_without_pictures_goes_on_without_them(self) -> None:
+        self.pictures = True  # not asked for again
+        out = self.checkpointed("--no-pictures")
+        self.assertEqual(self.run_to_end("run", "--resume", str(out))[0], 0)
+        self.assertFalse((out / "contact_sheet.png").exists())
+
     def test_a_program_of_the_user_has_its_own_name(self) -> None:
         """However it ends: no message calls it by the name of the program that comes with the project."""
         engine = self.here / "my-engine"

@@ -5,8 +5,9 @@ import argparse
 from pathlib import Path
 
 from ..errors import BAD_INPUT, CommandError
+from ..launch import engines
 from ..launch.fidelity import PRESETS, with_fidelity
-from ..launch.run import Draw, Job, run_scene
+from ..launch.run import COMMAND_FILE, DEFAULT_ENGINE, Draw, Job, run_scene
 from .parser import Subparsers, add_choice, add_command, add_scene, add_settings, need_scene, positive_seconds, threads
 
 NAME = "run"
@@ -24,9 +25,9 @@ def add_parser(subparsers: Subparsers) -> None:
     add_fidelity(parser)
     parser.add_argument("--out", metavar="DIR", type=Path,
                         help="run folder; an earlier run there is replaced (default: runs/<scene>-<date>-<time>)")
-    parser.add_argument("--rigid", metavar="ENGINE", default="bullet",
+    parser.add_argument("--rigid", metavar="ENGINE",
                         help="a name that 'sunder engines' lists, inprocess[:NAME], the path of a program that serves\n"
-                             "one, or the address at which one waits (ipc://..., tcp://...); default: bullet")
+                             f"one, or the address at which one waits (ipc://..., tcp://...); default: {DEFAULT_ENGINE}")
     parser.add_argument("--resume", metavar="DIR", type=Path,
                         help="continue the run in this folder from its last checkpoint; the result is the same to the bit,\n"
                              "but after Ctrl-C")
@@ -43,7 +44,7 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--threads", metavar="N", type=threads, help="threads of the shell solver (default: all)")
     parser.add_argument("--quiet", action="store_true", help="no progress and no summary, errors only")
     parser.add_argument("--no-pictures", dest="pictures", action="store_false",
-                        help="leave contact_sheet.png to 'sunder render DIR --sheet'")
+                        help="leave contact_sheet.png to 'sunder render DIR --sheet', also where the run is resumed")
 
 
 def add_fidelity(parser: argparse.ArgumentParser) -> None:
@@ -60,22 +61,28 @@ def run(arguments: argparse.Namespace) -> int:
         raise CommandError("run: SCENE is missing; see 'sunder run --help'", BAD_INPUT)
     need_scene(arguments.scene)
     settings = with_fidelity(arguments.scene, arguments.settings, arguments.fidelity, arguments.quiet, arguments.until)
-    job = Job(arguments.scene, arguments.rigid, tuple(settings), arguments.until, arguments.threads, arguments.keys,
-              arguments.record, arguments.trace, arguments.fidelity, arguments.profile)
+    job = Job(arguments.scene, arguments.rigid or DEFAULT_ENGINE, tuple(settings), arguments.until, arguments.threads,
+              arguments.keys, arguments.record, arguments.trace, arguments.fidelity, arguments.profile, arguments.pictures)
     return run_scene(job, arguments.out, arguments.quiet, draw=_draw if arguments.pictures else None,
                      draw_profile=_profile_picture(arguments))
 
 
 def _resume(arguments: argparse.Namespace) -> int:
     for given, name in ((arguments.scene, "SCENE"), (arguments.settings, "--set"), (arguments.out, "--out"),
-                        (arguments.record, "--record"), (arguments.fidelity, "--fidelity")):
+                        (arguments.record, "--record"), (arguments.fidelity, "--fidelity"), (arguments.rigid, "--rigid")):
         if given:
-            raise CommandError(f"--resume {arguments.resume}: continues with the scene and settings of that run; leave {name} out")
+            raise CommandError(f"--resume {arguments.resume}: continues with the scene, settings and engine of that run; leave "
+                               f"{name} out")
     kept = Job.read(arguments.resume)
     if not kept.scene.is_file():
         raise CommandError(f"{kept.scene}: no such scene file; the run in {arguments.resume} was of it")
+    if engines.is_path(kept.engine) and engines.no_program(kept.engine):
+        raise CommandError(f"--resume {arguments.resume}: {kept.engine}: {engines.no_program(kept.engine)}. That run was made "
+                           f"with it; put it back there, or write its new path as \"engine\" into {arguments.resume / COMMAND_FILE}")
+    arguments.pictures &= kept.pictures
     job = Job(kept.scene, kept.engine, kept.settings, arguments.until or kept.until, arguments.threads or kept.threads,
-              arguments.keys, trace=arguments.trace, fidelity=kept.fidelity, profile=arguments.profile)
+              arguments.keys, trace=arguments.trace, fidelity=kept.fidelity, profile=arguments.profile,
+              pictures=arguments.pictures)
     return run_scene(job, None, arguments.quiet, arguments.resume, _draw if arguments.pictures else None,
                      _profile_picture(arguments))
 

@@ -30,6 +30,7 @@ from .watch import Ending, watch
 
 COMMAND_FILE, RECORD_FILE, TRACE_FILE = "command.json", "session.rec", "trace.json"
 USAGE_FILE = "usage.json"
+DEFAULT_ENGINE = "bullet"
 Draw = Callable[[Path], Path]
 
 
@@ -37,7 +38,7 @@ Draw = Callable[[Path], Path]
 class Job:
     """What is to be run, as `command.json` in the run folder keeps it."""
     scene: Path
-    engine: str = "bullet"
+    engine: str = DEFAULT_ENGINE
     settings: tuple[str, ...] = ()
     until: str | None = None
     threads: str | None = None
@@ -46,6 +47,7 @@ class Job:
     trace: bool = False
     fidelity: str | None = None  # of which preset some of the settings are
     profile: bool = False
+    pictures: bool = True        # whether they are to be drawn at the end, also when the run goes on
 
     def shell_arguments(self) -> list[str]:
         """Arguments of the fracture process, without --out and the rigid side."""
@@ -58,8 +60,9 @@ class Job:
     def write(self, folder: Path) -> None:
         """Writes command.json, from which the run can be resumed or replayed."""
         (folder / COMMAND_FILE).write_text(json.dumps(
-            {"scene": str(self.scene.resolve()), "engine": self.engine, "settings": list(self.settings),
-             "until": self.until, "threads": self.threads, "fidelity": self.fidelity}, indent=2) + "\n")
+            {"scene": str(self.scene.resolve()), "engine": engines.from_anywhere(self.engine), "settings": list(self.settings),
+             "until": self.until, "threads": self.threads, "fidelity": self.fidelity, "pictures": self.pictures},
+            indent=2) + "\n")
 
     @staticmethod
     def read(folder: Path) -> "Job":
@@ -68,7 +71,8 @@ class Job:
         try:
             kept = json.loads(path.read_text())
             return Job(Path(kept["scene"]), str(kept["engine"]), tuple(str(s) for s in kept["settings"]),
-                       kept["until"], kept["threads"], fidelity=kept.get("fidelity"))
+                       kept["until"], kept["threads"], fidelity=kept.get("fidelity"),
+                       pictures=kept.get("pictures", True) is not False)
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise CommandError(f"{path}: does not say what was run ({error}); name the folder of a run") from None
 
@@ -134,7 +138,7 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
 
 
 def launch_once(executables: Executables, scene: Path, folder: Path, settings: list[str],
-                engine: str = "bullet") -> dict[str, object]:
+                engine: str = DEFAULT_ENGINE) -> dict[str, object]:
     """Runs a scene into an existing, empty folder without pictures; returns run.json. Raises CommandError."""
     job = Job(scene, engine, tuple(settings))
     rigid = engines.resolve(engine, executables)
@@ -276,16 +280,16 @@ def _verdict(ending: Ending, folder: Path, program: str) -> tuple[int, str]:
     return shell, ""
 
 
-def _settle_run_json(folder: Path, status: int, message: str, ending: Ending, going_on: str) -> None:
-    """Completes run.json where the shell process could not say how the run ended. Where a process was lost, its message
-    also says `going_on`."""
-    written = run_json.read_run(folder).get("status")
 def _last_words(log: Path) -> str:
     """The last line of a log, as a part of a sentence; '' where there is none."""
     last = tail(log, 1).strip()
     return f" and said last: {last}" if last else ""
 
 
+def _settle_run_json(folder: Path, status: int, message: str, ending: Ending, going_on: str) -> None:
+    """Completes run.json where the shell process could not say how the run ended. Where a process was lost, its message
+    also says `going_on`."""
+    written = run_json.read_run(folder).get("status")
     shell_was_cut = ending.shell < 0 or ending.shell_was_signalled or ending.killed_by_user
     try:
         if shell_was_cut:
