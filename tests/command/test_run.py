@@ -347,6 +347,15 @@ class RunCommand(unittest.TestCase):
         (going / "run.json").write_text('{"time": {"windows": 3}}')
         self.assertIn("(my-engine) refused to go on after 3 windows", _verdict(Ending(shell=3, rigid=2), going, "my-engine")[1])
 
+    def test_the_last_words_of_an_engine_are_left_out_where_the_shell_has_told_them(self) -> None:
+        out = self.here / "out"
+        out.mkdir()
+        (out / "rigid.log").write_text("starting\nmine: engine_failed: a number is not finite\n")
+        for error, said in (('{"kind": "engine_failed"}', False), ('{"kind": "peer_lost"}', True), ("null", True)):
+            (out / "run.json").write_text('{"schema": 1, "error": ' + error + "}")
+            message = _verdict(Ending(shell=3, rigid=4), out, "mine")[1]
+            self.assertEqual("and said last: mine: engine_failed: a number is not finite" in message, said, message)
+
     def test_a_folder_in_which_a_run_has_just_begun(self) -> None:
         out = self.here / "work" / "out"
         out.mkdir()

@@ -270,7 +270,8 @@ def _verdict(ending: Ending, folder: Path, program: str) -> tuple[int, str]:
     if shell < 0 and (not (rigid_died and ending.rigid_first) or rigid == PEER_LOST):  # status 3 says that the shell ended first
         return PEER_LOST, f"the fracture process (sunder-shell) {how_it_ended(shell)}; see {folder}/shell.log"
     if (shell == PEER_LOST or shell < 0) and rigid_died:
-        return PEER_LOST, f"{of_rigid}{_last_words(folder / 'rigid.log')}; see {folder}/rigid.log"
+        told = (run_json.read_run(folder).get("error") or {}).get("kind", "peer_lost") != "peer_lost"  # by the shell's side
+        return PEER_LOST, f"{of_rigid}{'' if told else _last_words(folder / 'rigid.log')}; see {folder}/rigid.log"
     if shell == PEER_LOST:
         return PEER_LOST, f"the fracture process lost the rigid-body process ({program}); see {folder}/shell.log and rigid.log"
     if shell == DONE and rigid_died:
