@@ -122,6 +122,24 @@ class Suites(unittest.TestCase):
         self.assertNotIn("--expect", asked)
         self.assertIn(f"--engine {mine} --engine-arg --engine --engine-arg beta --case fall --case stack", asked)
 
+    def test_a_list_of_known_failures_and_cases_to_leave_out_are_handed_on(self) -> None:
+        mine, known = self.folder / "beta", self.folder / "mine.txt"
+        mine.write_text("#!/bin/sh\n")
+        mine.chmod(0o755)
+        (self.folder / "alpha.txt").write_text("fall.height by 20 mm\n")
+        for name in (str(mine), "alpha"):
+            self.assertEqual(self.validate({"alpha": (KNOWN, 0), "beta": (KNOWN, 0)}, "--rigid", name, "--expect", str(known),
+                                           "--leave-out", "cost_flight,stack"), 0)
+        for asked in (self.folder / "log").read_text().splitlines():
+            self.assertIn(f"--expect {known} --leave-out cost_flight --leave-out stack", asked)
+            self.assertEqual(asked.count("--expect"), 1)
+
+    def test_the_cases_are_listed(self) -> None:
+        suite = self.folder / "build" / "tests" / "sunder-conformance"
+        suite.write_text("#!/bin/sh\necho \"$@\" > $(dirname $0)/asked\n")
+        self.assertEqual(sunder(["validate", "engines", "--list"]), 0)
+        self.assertEqual((suite.parent / "asked").read_text(), "--list\n")
+
     def test_a_fresh_checkout_builds_the_suite(self) -> None:
         with mock.patch.object(programs, "ensure_built") as ensure, mock.patch.object(measure, "ensure_built"):
             self.validate({"alpha": (GOOD, 0)}, "--rigid", "alpha")
@@ -133,6 +151,11 @@ class Suites(unittest.TestCase):
         self.assertEqual(self.validate({}, "--plots", str(self.folder / "plots.png")), 2)
         self.assertEqual(sunder(["validate", "shells", "--rigid", "alpha"]), 2)
         self.assertIn("only 'validate engines'", self.said.getvalue())
+        for arguments in (["--list"], ["--leave-out", "a"], ["--expect", "a"]):
+            self.assertEqual(sunder(["validate", "shells", *arguments]), 2)
+            self.assertIn(f"{arguments[0]}: only 'validate engines' takes it", self.said.getvalue())
+        self.assertEqual(self.validate({}, "--expect", "a"), 2)
+        self.assertIn("--expect: is for one engine; give --rigid ENGINE too", self.said.getvalue())
 
     def test_an_engine_under_node_js_is_left_out_with_the_reason_where_it_cannot_be_had(self) -> None:
         programs = {"jolt": self.folder / "jolt", "mujoco": self.folder / "mujoco"}

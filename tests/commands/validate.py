@@ -19,6 +19,11 @@ def add_parser(subparsers: Subparsers) -> None:
         "A table of case, computed, reference, error, tolerance, seconds; exit status 1 where a case fails.")
     parser.add_argument("what", metavar="WHAT", help=f"{', '.join(VALIDATIONS[:-1])} or {VALIDATIONS[-1]}")
     parser.add_argument("--case", metavar="NAME", help="this case only; with engines also several, NAME,NAME")
+    parser.add_argument("--list", action="store_true", help="with engines: print the cases with what they need, and end")
+    parser.add_argument("--leave-out", metavar="NAME", help="with engines: not these cases, NAME,NAME")
+    parser.add_argument("--expect", metavar="FILE", type=Path,
+                        help="with engines --rigid: rows that are known to fail, NAME and why on a line, as in\n"
+                             "tests/conformance/known; a row that fails and is not there, or is and passes, is status 1")
     parser.add_argument("--full", action="store_true", help="with extremes: the long rows as well")
     parser.add_argument("--known", action="store_true",
                         help="exit status 0 where nothing fails but what is known to, as far as tests/validation/known allows")
@@ -39,15 +44,24 @@ def run(arguments: argparse.Namespace) -> int:
         return _play(arguments)
     if arguments.tolerance is not None:
         raise CommandError("--tolerance: is for --session; leave it out", BAD_INPUT)
+    for name in ("list", "leave_out", "expect"):
+        if getattr(arguments, name) and arguments.what != "engines":
+            raise CommandError(f"--{name.replace('_', '-')}: only 'validate engines' takes it", BAD_INPUT)
+    if arguments.list:
+        from ..validation.programs import program, run_program
+        return run_program([str(program("sunder-conformance")), "--list"])
+    if arguments.expect is not None and not arguments.rigid:
+        raise CommandError("--expect: is for one engine; give --rigid ENGINE too, or leave it out: the engines that come with the "
+                           "project have lists of their own", BAD_INPUT)
     return validate(arguments.what, arguments.case, arguments.report, arguments.plots, arguments.pictures,
-                    arguments.rigid, arguments.full, arguments.known)
+                    arguments.rigid, arguments.full, arguments.known, arguments.leave_out, arguments.expect)
 
 
 def _play(arguments: argparse.Namespace) -> int:
     if arguments.what != "engines" or not arguments.rigid:
         raise CommandError("--session: only 'validate engines --rigid ENGINE' takes it", BAD_INPUT)
-    for name in ("case", "full", "known", "plots", "pictures"):
+    for name in ("case", "list", "leave_out", "expect", "full", "known", "plots", "pictures"):
         if getattr(arguments, name):
-            raise CommandError(f"--{name}: not with --session, which has no cases; leave it out", BAD_INPUT)
+            raise CommandError(f"--{name.replace('_', '-')}: not with --session, which has no cases; leave it out", BAD_INPUT)
     from ..conformance.sessions import play_session
     return play_session(arguments.session, arguments.rigid, arguments.tolerance, arguments.report)

@@ -4,6 +4,7 @@ from __future__ import annotations
 import json
 import math
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,15 @@ PASS, KNOWN_FAIL, FAIL, SKIPPED, REPORTED, ABSENT = "pass", "known", "FAIL", "sk
 Row = dict[str, object]
 
 
-def suite_command(suite: Path, rigid: engines.Rigid, name: str, case: str | None, numbers: Path) -> list[str]:
+@dataclass(frozen=True)
+class Chosen:
+    """What of the suite is to be run."""
+    case: str | None = None       # NAME,NAME; all where it is absent
+    leave_out: str | None = None  # NAME,NAME
+    expect: Path | None = None    # list of known failures, instead of that of the engine's name
+
+
+def suite_command(suite: Path, rigid: engines.Rigid, name: str, chosen: Chosen, numbers: Path) -> list[str]:
     """Call of the suite for one engine; `name` finds the list of its known failures, '' has none."""
     command = [str(suite), "--json", str(numbers)]
     if rigid.endpoint:
@@ -32,10 +41,11 @@ def suite_command(suite: Path, rigid: engines.Rigid, name: str, case: str | None
         for argument in arguments:
             command += ["--engine-arg", argument]
     known = KNOWN / f"{name}.txt"
-    if name and known.is_file():
-        command += ["--expect", str(known)]
-    for one in case.split(",") if case else []:
-        command += ["--case", one]
+    if chosen.expect is not None or name and known.is_file():
+        command += ["--expect", str(chosen.expect or known)]
+    for option, names in (("--case", chosen.case), ("--leave-out", chosen.leave_out)):
+        for one in names.split(",") if names else []:
+            command += [option, one]
     return command
 
 
@@ -83,28 +93,28 @@ def table(found: dict[str, dict[str, object]]) -> str:
     return "\n".join(line.rstrip() for line in lines)
 
 
-def run_suites(suite: Path, executables: Executables, case: str | None, chosen: str | None = None) -> tuple[
+def run_suites(suite: Path, executables: Executables, chosen: Chosen, only: str | None = None) -> tuple[
         int, dict[str, dict[str, Any]]]:
     """Exit status, and what the suite wrote for each engine that could be asked. Engines under Node.js are left
     out, with the reason, where their packages cannot be had: they come from a registry. Where the user interrupts it,
     the last engine has what ran, and `left`, the names of its other cases."""
     status = DONE
     found: dict[str, dict[str, object]] = {}
-    names = [chosen] if chosen else engines.names(executables)
+    names = [only] if only else engines.names(executables)
     for k, name in enumerate(names):
         if engines.in_process(name):
             raise CommandError(f"--rigid {name}: the suite speaks over the wire; leave '{engines.IN_PROCESS}:' out", BAD_INPUT)
         try:
             rigid = engines.resolve(name, executables)
         except CommandError as error:
-            if chosen:
+            if only:
                 raise
             print(f"{name}: left out: {error}\n", flush=True)
             continue
         with tempfile.TemporaryDirectory() as folder:
             numbers = Path(folder) / "rows.json"
             own = "" if "/" in name else name  # a program of the user's has no known failures here, whatever its name is
-            ended = run_program(suite_command(suite, rigid, own, case, numbers))
+            ended = run_program(suite_command(suite, rigid, own, chosen, numbers))
             if ended == BAD_INPUT:
                 return BAD_INPUT, found  # it has said why
             if ended == INTERRUPTED:

@@ -28,7 +28,8 @@ VALIDATIONS = ("shells", "seams", "cracks", "contact", "soft", "surfaces", "coup
 
 
 def validate(what: str, case: str | None, report: Path | None, plots: Path | None,
-             pictures: Path | None = None, rigid: str | None = None, full: bool = False, known: bool = False) -> int:
+             pictures: Path | None = None, rigid: str | None = None, full: bool = False, known: bool = False,
+             leave_out: str | None = None, expect: Path | None = None) -> int:
     """Runs the validation cases of `what`. The exit status is 1 where a case fails; with `known`, only where a
     failure is not known or its error is larger than the known one. Where the user interrupts it, what ran is judged and
     written, with `ran` and `left` in the JSON, and the status is 130."""
@@ -54,7 +55,7 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
     if what == "engines":
         if plots is not None or pictures is not None:
             raise CommandError("validate engines: draws nothing; leave --plots and --pictures out", BAD_INPUT)
-        return _engines(case, report, rigid)
+        return _engines(suites.Chosen(case, leave_out, expect), report, rigid)
     if pictures is not None:
         _make_folder(pictures)
     started = time.time()
@@ -136,9 +137,9 @@ def _listed(heading: str) -> tuple[str, ...]:
     return tuple(line.split()[0] for line in itertools.takewhile(lambda line: line.startswith("  "), part))
 
 
-def _engines(case: str | None, report: Path | None, rigid: str | None) -> int:
+def _engines(chosen: suites.Chosen, report: Path | None, rigid: str | None) -> int:
     suite = program("sunder-conformance")
-    status, found = suites.run_suites(suite, ensure_built(), case, rigid)
+    status, found = suites.run_suites(suite, ensure_built(), chosen, rigid)
     if found:
         print(suites.table(found))
     if status == INTERRUPTED:
