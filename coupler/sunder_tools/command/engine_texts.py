@@ -30,9 +30,10 @@ class @type@(Engine):
 
     def advance(self, window_s, predicted, solved):
         for motion in predicted:
-            # An engine with contacts solves them here. Start each body with the average velocity that leads from
-            # self.moving[motion.id] to motion in window_s. Then add the change of velocity that the contacts made to
-            # motion.velocity, and window_s times that change to motion.position (rigid/README.md, "A window").
+            # An engine with contacts solves them here. Start each body with the average velocity and angular velocity that
+            # lead from self.moving[motion.id] to motion in window_s. Then add what the contacts changed: of velocity to
+            # motion.velocity, window_s times it to motion.position, inertia times the change of angular velocity to
+            # motion.angular_momentum, and what it turns in window_s to motion.orientation (rigid/README.md, "A window").
             self.move(self.moving[motion.id], motion)
 
     def states(self):
@@ -69,9 +70,10 @@ class @type@ final : public link::Engine {
   void set_contact_laws(const std::vector<ContactLaw>&) override {}
   void advance(double /*window_s*/, const std::vector<link::Motion>& predicted,
                const std::vector<BodyId>& /*solved*/) override {
-    // An engine with contacts solves them here. Start each body with the average velocity that leads from its motion to
-    // the predicted one in window_s. Then add the change of velocity that the contacts made to the predicted velocity,
-    // and window_s times that change to the predicted position (rigid/README.md, "A window").
+    // An engine with contacts solves them here. Start each body with the average velocity and angular velocity that lead
+    // from its motion to the predicted one in window_s. Then add what the contacts changed: of velocity to the predicted
+    // velocity, window_s times it to the position, inertia times the change of angular velocity to the angular momentum,
+    // and what it turns in window_s to the orientation (rigid/README.md, "A window").
     for (const link::Motion& m : predicted) bodies_.at(m.id).motion = m.motion;
   }
   std::vector<link::State> states() const override {
@@ -125,9 +127,10 @@ class @type@ {
 
   advance(window_s, predicted, solved) {
     for (const motion of predicted) {
-      // An engine with contacts solves them here. Start each body with the average velocity that leads from
-      // this.moving.get(motion.id) to motion in window_s. Then add the change of velocity that the contacts made to
-      // motion.velocity, and window_s times that change to motion.position (rigid/README.md, "A window").
+      // An engine with contacts solves them here. Start each body with the average velocity and angular velocity that
+      // lead from this.moving.get(motion.id) to motion in window_s. Then add what the contacts changed: of velocity to
+      // motion.velocity, window_s times it to motion.position, inertia times the change of angular velocity to
+      // motion.angular_momentum, and what it turns in window_s to motion.orientation (rigid/README.md, "A window").
       Object.assign(this.moving.get(motion.id), motion);
     }
   }
