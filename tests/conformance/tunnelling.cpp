@@ -66,6 +66,7 @@ RigidBody hull_box(BodyId id, const Vec3& half) {
 // comes back faster than it came.
 void shoot(Suite& s, const std::string& what, const RigidBody& cube, const RigidBody& wall, const Vec3& turn) {
   constexpr double half = 0.1;
+  const bool is_round = std::holds_alternative<SphereShape>(cube.shape);
   for (const auto& [speed, window_s] :
        {std::pair{20.0, 1e-3}, {50.0, 1e-3}, {200.0, 1e-3}, {50.0, 1.0 / 60}, {500.0, 1.0 / 60}}) {
     const RigidBody shot = moving(at(turned(cube, turn), {-2.0, 0.013, -0.021}), {speed, 0, 0});
@@ -75,7 +76,8 @@ void shoot(Suite& s, const std::string& what, const RigidBody& cube, const Rigid
       play.window();
       const BodyMotion& now = play.body(shot.id).motion;
       const Vec3 sides = now.orientation.conjugate() * Vec3::UnitX();
-      deepest = std::max(deepest, now.position.x() + half * sides.lpNorm<1>() + half);
+      const double reach = is_round ? half : half * sides.lpNorm<1>();
+      deepest = std::max(deepest, now.position.x() + reach + half);
       back = std::max(back, -now.velocity.x()), fastest = std::max(fastest, play.kinetic_energy());
     }
     play.end();
@@ -83,7 +85,7 @@ void shoot(Suite& s, const std::string& what, const RigidBody& cube, const Rigid
     // Where the cube is askew, an edge hits first. In the rest of the window the cube turns into the wall a little, and
     // then its other side pushes it back.
     s.report.check(name + "_depth", std::max(0.0, deepest), 0.0, (turn.isZero() ? 0.1 : 0.4) * half,
-                   "of the cube in the wall [m]");
+                   is_round ? "of the ball in the wall [m]" : "of the cube in the wall [m]");
     s.report.check(name + "_back", back / speed, 0.0, turn.isZero() ? 0.02 : 0.2, "share of the speed");
     s.report.check(name + "_energy", std::max(0.0, 2.0 * fastest / (shot.mass * speed * speed) - 1.0), 0.0, 1e-6,
                    "gain");
