@@ -117,6 +117,8 @@ TEST(Conformance, SkipsACaseByAMissingCapabilityAndNamesIt) {
   EXPECT_EQ(flight.status, 0) << flight.said;
   EXPECT_EQ(flight.verdicts["joint_ball"], "skipped");
   EXPECT_NE(flight.notes["joint_ball"].find("'joints'"), std::string::npos) << flight.notes["joint_ball"];
+  const Outcome flying = with_fault("freeflight", "none", "restitution_between_walls");
+  EXPECT_EQ(flying.notes.at("restitution_between_walls"), "the engine does not declare 'contact', 'restitution'");
 }
 
 TEST(Conformance, HoldsAnEngineToTheListOfItsKnownFailures) {

@@ -25,8 +25,10 @@ std::vector<Case> all_cases() {
 
 void run_case(Suite& suite, const Case& c) {
   suite.report.begin(c.name, c.needs);
+  std::vector<std::string> missing;
   for (const std::string& word : c.needs)
-    if (!suite.info.can(word)) return suite.report.skip(word);
+    if (!suite.info.can(word)) missing.push_back("'" + word + "'");
+  if (!missing.empty()) return suite.report.skip(fmt::format("{}", fmt::join(missing, ", ")));
   try {
     c.run(suite);
   } catch (const std::exception& e) {

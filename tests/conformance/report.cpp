@@ -101,7 +101,7 @@ void Report::tell(const std::string& what, double computed, const std::string& n
 }
 
 void Report::skip(const std::string& missing) {
-  add({case_, needs_, NAN, NAN, NAN, -1.0, Verdict::kSkipped, "the engine does not declare '" + missing + "'"});
+  add({case_, needs_, NAN, NAN, NAN, -1.0, Verdict::kSkipped, "the engine does not declare " + missing});
 }
 
 void Report::fail(const std::string& note) { add({case_, needs_, NAN, NAN, NAN, -1.0, Verdict::kFail, note}); }

@@ -37,7 +37,7 @@ class Report {
                    const std::string& note = "");
   /// Adds a number that is not judged.
   void tell(const std::string& what, double computed, const std::string& note);
-  /// Adds a skipped row: the engine lacks a capability.
+  /// Adds a skipped row: the engine lacks these capabilities, in quotes.
   void skip(const std::string& missing);
   /// Adds a failed row without numbers.
   void fail(const std::string& note);

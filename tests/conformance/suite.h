@@ -25,7 +25,7 @@ struct Suite {
 /// A case of the suite.
 struct Case {
   std::string name, what;
-  std::vector<std::string> needs;  // capabilities; the first one that the engine does not declare skips the case
+  std::vector<std::string> needs;  // capabilities; an engine that does not declare all of them skips the case
   std::function<void(Suite&)> run;
 };
 
