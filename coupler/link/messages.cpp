@@ -9,11 +9,17 @@
 namespace sunder::link {
 namespace {
 
-// Path of a field in a list, as "states[7].position". It becomes text only in an error, since a window has four such
-// fields for every body.
+// Path of a field of a body's entry in a list, as "states[id 7].position". It becomes text only in an error, since a
+// window has four such fields for every body.
 struct Member {
   const char* list;
   std::size_t id;
+  const char* field;
+};
+
+// The same of an entry that is counted from 0, as "rows[7].normal".
+struct Entry {
+  std::size_t index;
   const char* field;
 };
 
@@ -24,7 +30,15 @@ template <>
 struct fmt::formatter<sunder::link::Member> : fmt::formatter<std::string_view> {
   template <class Context>
   auto format(const sunder::link::Member& m, Context& context) const {
-    return fmt::format_to(context.out(), "{}[{}]{}", m.list, m.id, m.field);
+    return fmt::format_to(context.out(), "{}[id {}]{}", m.list, m.id, m.field);
+  }
+};
+
+template <>
+struct fmt::formatter<sunder::link::Entry> : fmt::formatter<std::string_view> {
+  template <class Context>
+  auto format(const sunder::link::Entry& e, Context& context) const {
+    return fmt::format_to(context.out(), "rows[{}]{}", e.index, e.field);
   }
 };
 
@@ -329,22 +343,68 @@ Error decode_error(const proto::Error& error, const std::string& who) {
   std::string message = whole.substr(0, size);
   for (char& c : message)
     if (static_cast<unsigned char>(c) < 0x20 && c != '\n') c = ' ';  // no control of the terminal
-  return Error(Exit::kPeerLost, named ? kind : "peer_failed", who + " reports: " + message);
+  Error told(Exit::kPeerLost, named ? kind : "peer_failed", who + " reports: " + message);
+  if (error.body() != 0) told.body = std::to_string(error.body());
+  return told;
 }
+
+namespace {
+
+// Refuses states that are not one of each expected body by ascending id. Names the bodies that are missing, the surplus
+// ones and those out of order.
+void check_ids(const google::protobuf::RepeatedPtrField<proto::BodyState>& states, const BodyIds& expected) {
+  constexpr std::size_t kMostNamed = 9;
+  std::vector<BodyId> came, surplus, twice, unordered, missing;
+  for (const auto& m : states) {
+    if (!expected.contains(m.id())) surplus.push_back(m.id());
+    if (!came.empty() && m.id() < came.back()) unordered.push_back(m.id());
+    came.push_back(m.id());
+  }
+  std::sort(came.begin(), came.end());
+  for (std::size_t i = 1; i < came.size(); ++i)
+    if (came[i] == came[i - 1] && (twice.empty() || twice.back() != came[i])) twice.push_back(came[i]);
+  for (const BodyId id : expected)
+    if (!std::binary_search(came.begin(), came.end(), id)) missing.push_back(id);
+  std::string found;
+  BodyId first = 0;
+  const auto tell = [&](const char* what, std::vector<BodyId>& ids) {
+    if (ids.empty()) return;
+    if (first == 0) first = ids.front();
+    const std::size_t more = ids.size() - std::min(ids.size(), kMostNamed);
+    ids.resize(ids.size() - more);
+    found += fmt::format("; {} {}{}", what, fmt::join(ids, ", "), more ? fmt::format(" and {} more", more) : "");
+  };
+  tell("missing: id", missing), tell("surplus: id", surplus), tell("twice: id", twice);
+  if (found.empty()) tell("out of order: id", unordered);
+  if (found.empty()) return;
+  Error e(Exit::kPeerLost, "bad_message",
+          fmt::format("states: {} for {} bodies{}; give one of each that moves, by ascending id", states.size(),
+                      expected.size(), found));
+  e.body = std::to_string(first);
+  throw e;
+}
+
+}  // namespace
 
 std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto::BodyState>& states,
                                  const BodyIds& expected) {
   std::vector<State> out;
   out.reserve(expected.size());
-  auto next = expected.begin();  // both lists are in ascending order
-  for (const auto& m : states) {
-    while (next != expected.end() && *next < m.id()) ++next;
-    check(next != expected.end() && *next == m.id(), "{}: an unknown or repeated body", Member{"states", m.id(), ""});
-    ++next;
-    check(std::isfinite(m.mass()) && m.mass() > 0.0, "{} is {}", Member{"states", m.id(), ".mass"}, m.mass());
-    out.push_back({m.id(), m.mass(), decode_motion(m, "states")});
+  auto next = expected.begin();
+  BodyId of = 0;
+  try {
+    for (const auto& m : states) {
+      of = m.id();
+      if (next == expected.end() || *next != of) check_ids(states, expected);
+      ++next;
+      check(std::isfinite(m.mass()) && m.mass() > 0.0, "{} is {}", Member{"states", of, ".mass"}, m.mass());
+      out.push_back({of, m.mass(), decode_motion(m, "states")});
+    }
+    if (next != expected.end()) check_ids(states, expected);
+  } catch (Error& e) {
+    if (e.body.empty()) e.body = std::to_string(of);
+    throw;
   }
-  check(out.size() == expected.size(), "states: {} for {} bodies", out.size(), expected.size());
   return out;
 }
 
@@ -352,8 +412,8 @@ std::vector<ContactRow> decode_rows(const proto::ExportReply& reply, const BodyI
   check(reply.rows_size() <= kMaxRows, "rows: {} of them; {} at most", reply.rows_size(), kMaxRows);
   std::vector<ContactRow> out;
   for (const auto& m : reply.rows()) {
-    const auto name = [&](const char* of) { return Member{"rows", out.size(), of}; };
-    const Member field = name("");
+    const auto name = [&](const char* of) { return Entry{out.size(), of}; };
+    const Entry field = name("");
     check(known.contains(m.first()) && known.contains(m.second()) && m.first() != m.second(), "{}: bodies {} and {}",
           field, m.first(), m.second());
     ContactRow row{m.first(),

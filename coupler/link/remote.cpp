@@ -126,8 +126,12 @@ std::vector<State> RemoteRigid::window(const WindowTask& task) {
 void RemoteRigid::check_masses(const std::vector<State>& states, double round_off) const {
   const double tolerance = peer_.can(capability::kDoublePrecision) ? round_off : kSinglePrecision;
   for (const State& s : states)
-    if (const double sent = masses_.at(s.id); std::abs(s.mass - sent) > tolerance * sent)
-      refuse(fmt::format("states[{}].mass: {} kg were loaded, {} kg came back", s.id, sent, s.mass));
+    if (const double sent = masses_.at(s.id); std::abs(s.mass - sent) > tolerance * sent) {
+      Error e(Exit::kPeerLost, "bad_message",
+              fmt::format("states[id {}].mass: {} kg were loaded, {} kg came back", s.id, sent, s.mass));
+      e.body = std::to_string(s.id);
+      throw e;
+    }
 }
 
 std::vector<State> RemoteRigid::add_bodies(const std::vector<RigidBody>& bodies) {

@@ -1,5 +1,6 @@
 #include "coupler/link/session.h"
 
+#include <charconv>
 #include <limits>
 #include <memory>
 
@@ -7,6 +8,17 @@
 #include "coupler/link/messages.h"
 
 namespace sunder::link {
+
+namespace {
+
+// Id of the body that an error of the engine is about; 0: of none.
+BodyId body_id(const Error& e) {
+  BodyId id = 0;
+  std::from_chars(e.body.data(), e.body.data() + e.body.size(), id);  // a name leaves 0
+  return id;
+}
+
+}  // namespace
 
 struct Answer {
   Session& s;
@@ -99,6 +111,7 @@ std::string Session::answer(const std::string& bytes) {
   const auto failed = [&](const Error& e) {
     answer.reply.Clear();
     answer.reply.mutable_error()->set_kind(e.kind), answer.reply.mutable_error()->set_message(e.what());
+    answer.reply.mutable_error()->set_body(body_id(e));
     failure_ = std::make_shared<Error>(e);
     state_ = kDone;
   };

@@ -10,11 +10,12 @@ MOTION = ("position", "orientation", "velocity", "angular_momentum")
 
 
 class Refused(Exception):
-    """Ends the session: the shell process is told kind and message, and this process ends with `status`."""
+    """Ends the session: the shell process is told kind, message and the id of the `body` that it is about (0: of none), and this
+    process ends with `status`."""
 
-    def __init__(self, kind: str, message: str, status: int = PEER_LOST) -> None:
+    def __init__(self, kind: str, message: str, status: int = PEER_LOST, body: int = 0) -> None:
         super().__init__(message)
-        self.kind, self.status = kind, status
+        self.kind, self.status, self.body = kind, status, body
 
 
 class Engine:

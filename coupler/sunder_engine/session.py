@@ -4,12 +4,13 @@ from __future__ import annotations
 import math
 import time
 import traceback
-from typing import Any, Iterable, Iterator, Sequence
+from typing import Any, Iterable, Iterator, Mapping, Sequence
 
 from .engine import BAD_INPUT, ENGINE_FAILED, MOTION, PEER_LOST, Engine, Refused
 from .messages import exchange, parsed
 
 PROTOCOL = 2
+MOST_NAMED = 9  # of wrong ids in a message
 UNIT = 1e-9  # deviation of a quaternion from unit length: round-off of a window
 SHAPES = {"sphere_radius_m": "spheres", "box_half_size_m": "boxes", "half_space": "half_spaces", "convex": "convex_hulls"}
 
@@ -41,7 +42,7 @@ def unsound(message: Any) -> str:
     """Says what is_sound() found: the field and its value."""
     for field, value in message.ListFields():
         if field.message_type is not None and field.label != field.LABEL_REPEATED:
-            inner = list(numbers(value))
+            inner = [getattr(value, part.name) for part in value.DESCRIPTOR.fields]
             if not all(map(math.isfinite, inner)):
                 return f"{field.name} is ({', '.join(f'{x:g}' for x in inner)}): not finite"
         elif isinstance(value, float) and not math.isfinite(value):
@@ -50,12 +51,29 @@ def unsound(message: Any) -> str:
     return f"orientation has length {math.hypot(q.w, q.x, q.y, q.z):.12g}, which must be 1"
 
 
+def named(body: int, names: Mapping[int, str]) -> str:
+    """A body's id, with its name where it has one."""
+    return f"{body} '{names[body]}'" if names.get(body) else str(body)
+
+
+def wrong_ids(ids: Sequence[int], due: Sequence[int], names: Mapping[int, str]) -> tuple[str, int]:
+    """Says which of these ids are not those that are `due`, in ascending order; and the first of them."""
+    held = set(ids)
+    found = {"missing": sorted(set(due) - held), "surplus": sorted(held - set(due)),
+             "twice": [body for body in sorted(held) if ids.count(body) > 1] if len(ids) > len(held) else []}
+    if not any(found.values()):
+        found = {"out of order": [after for before, after in zip(ids, ids[1:]) if after < before]}
+    words = [f"{word}: id {', '.join(named(body, names) for body in wrong[:MOST_NAMED])}"
+             + (f" and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else "") for word, wrong in found.items() if wrong]
+    return "; ".join(words), next(wrong[0] for wrong in found.values() if wrong)
+
+
 class Session:
     """State of one session with an engine."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._known: set[int] = set()   # ids of bodies
+        self._known: dict[int, str] = {}  # names of bodies, '' of one without, by id
         self._moving: list[int] = []    # of those that are not static, ascending
         self._joints: set[int] = set()
         self._turn = "hello"
@@ -72,7 +90,7 @@ class Session:
         try:
             reply = self._reply(data)
         except Refused as error:
-            return self._end(error.kind, str(error), error.status)
+            return self._end(error.kind, str(error), error.status, error.body)
         except Exception as error:  # noqa: BLE001: one in the engine; the other side is told too
             traceback.print_exc()  # for its author, in rigid.log
             return self._end("internal", f"{type(error).__name__}: {error}", ENGINE_FAILED)
@@ -82,10 +100,10 @@ class Session:
             reply.spans.add(name=reply.WhichOneof("kind"), begin_ns=begin, end_ns=time.monotonic_ns())
         return bytes(reply.SerializeToString())
 
-    def _end(self, kind: str, message: str, status: int) -> bytes:
+    def _end(self, kind: str, message: str, status: int, body: int = 0) -> bytes:
         self.status, self.failure = status, f"{kind}: {message}"
         reply = exchange().Reply(sequence=self._sequence)
-        reply.error.kind, reply.error.message = kind, message
+        reply.error.kind, reply.error.message, reply.error.body = kind, message, body
         return bytes(reply.SerializeToString())
 
     def _reply(self, data: bytes) -> Any:
@@ -215,8 +233,8 @@ class Session:
                 need(len(part.corners) % 3 == 0 and len(part.corners) >= 12, f"{name}: a part without corners")
             word = "compound" if len(body.convex.parts) > 1 else SHAPES[shape]
             if word not in self._engine.capabilities:
-                raise Refused("bad_body", f"{name}: {self._engine.name} has no {word}", BAD_INPUT)
-            self._known.add(body.id)
+                raise Refused("bad_body", f"{name}: {self._engine.name} has no {word}", BAD_INPUT, body.id)
+            self._known[body.id] = body.name
             if not body.is_static:
                 self._moving.append(body.id)
             self._engine.add(body)
@@ -228,10 +246,13 @@ class Session:
 
     def _states(self) -> list[Any]:
         states = list(self._engine.states())
-        if [state.id for state in states] != self._moving:
-            raise Refused("engine_failed", f"{self._engine.name}: states of bodies {[state.id for state in states][:9]}, "
-                          f"there must be one of each that moves, by ascending id: {self._moving[:9]}", ENGINE_FAILED)
+        ids = [state.id for state in states]
+        if ids != self._moving:
+            wrong, body = wrong_ids(ids, self._moving, self._known)
+            raise Refused("engine_failed", f"{self._engine.name}: states: {len(ids)} for {len(self._moving)} bodies; {wrong}; "
+                          "give one of each that moves, by ascending id", ENGINE_FAILED, body)
         for state in states:
             if not is_sound(state):
-                raise Refused("engine_failed", f"{self._engine.name}: body {state.id}: {unsound(state)}", ENGINE_FAILED)
+                raise Refused("engine_failed", f"{self._engine.name}: the state of body {named(state.id, self._known)}: "
+                              f"{unsound(state)}", ENGINE_FAILED, state.id)
         return states

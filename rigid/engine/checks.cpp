@@ -37,7 +37,7 @@ void check_shape(const RigidBody& body) {
 void reject_body(const RigidBody& body, const std::string& field, const std::string& what) {
   Error error(Exit::kBadInput, "bad_body", fmt::format("body {} '{}': {} {}", body.id, body.name, field, what));
   error.field = field;
-  error.body = body.name;
+  error.body = std::to_string(body.id);
   throw error;
 }
 

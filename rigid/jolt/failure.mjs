@@ -3,10 +3,12 @@
 export const Exit = { done: 0, badInput: 2, peerLost: 3, physics: 4 };
 
 export class Failure extends Error {
-  constructor(status, kind, message) {
+  /** `body`: id of the body that it is about; 0: of none. */
+  constructor(status, kind, message, body = 0) {
     super(message);
     this.status = status;
     this.kind = kind;
+    this.body = body;
   }
 }
 
@@ -22,5 +24,5 @@ export function check(good, message) {
 
 /** Throws Failure (bad_body) with id, name and field; `what`: value and remedy. */
 export function rejectBody(body, field, what) {
-  throw new Failure(Exit.badInput, 'bad_body', `body ${body.id} '${body.name}': ${field} ${what}`);
+  throw new Failure(Exit.badInput, 'bad_body', `body ${body.id} '${body.name}': ${field} ${what}`, body.id);
 }

@@ -129,7 +129,7 @@ export class World {
     jolt.destroy(settings);
     if (jolt.getPointer(rigid) === 0)
       throw new Failure(Exit.badInput, 'bad_body',
-        `body ${body.id} '${body.name}': Jolt holds ${kMaxBodies} bodies here, no more`);
+        `body ${body.id} '${body.name}': Jolt holds ${kMaxBodies} bodies here, no more`, body.id);
     this.byPointer.set(jolt.getPointer(rigid), held);
     this.bodies.AddBody(rigid.GetID(), jolt.EActivation_Activate);
     return rigid;
@@ -178,7 +178,7 @@ export class World {
     const linear = xyz(rigid.GetLinearVelocity()), angular = xyz(rigid.GetAngularVelocity());
     if (![...position, ...orientation, ...linear, ...angular].every(Number.isFinite)) {
       const { id } = this.byPointer.get(this.jolt.getPointer(rigid));
-      throw new Failure(Exit.physics, 'diverged', `body ${id}: what Jolt made of its motion is not finite`);
+      throw new Failure(Exit.physics, 'diverged', `body ${id}: what Jolt made of its motion is not finite`, id);
     }
     return { position, orientation, linear, angular };
   }

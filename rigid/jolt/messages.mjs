@@ -135,7 +135,7 @@ export function decodeWindow(w) {
   return {
     tick: integer(w.tick), ticks: w.ticks, window_s: w.window_s, again: w.again, solved: w.solved,
     released: w.released,
-    predicted: w.predicted.map((h) => ({ id: h.id, ...motion(h, `predicted[${h.id}]`) })),
+    predicted: w.predicted.map((h) => ({ id: h.id, ...motion(h, `predicted[id ${h.id}]`) })),
     births: decodeBodies(w.births, 'births'),
   };
 }

@@ -44,7 +44,8 @@ export class Session {
         ? error
         : new Failure(Exit.physics, 'internal', error.stack ?? String(error));
       this.state = kDone;
-      reply = { error: { kind: this.failure.kind, message: this.failure.message } };
+      const { kind, message, body } = this.failure;
+      reply = { error: { kind, message, body } };
     }
     return this.types.Reply.encode({ sequence: this.sequence, ...reply }).finish();
   }
@@ -109,7 +110,7 @@ export class Session {
     for (const { id, mass, position, orientation, velocity, angular_momentum: momentum } of states)
       if (![mass, ...position, ...orientation, ...velocity, ...momentum].every(Number.isFinite))
         throw new Failure(Exit.physics, 'engine_failed', `${this.engine.info.name}: body ${id} has a motion that is ` +
-          'not finite; are its numbers beyond what the engine can do?');
+          'not finite; are its numbers beyond what the engine can do?', id);
     return states;
   }
 

@@ -92,11 +92,10 @@ namespace {
   double most = -1.0;
   for (const Proxy& p : simulation.state.bodies)
     if (const double own = p.body.is_static ? 0.0 : p.body.kinetic_energy(); own > most) most = own, name = p.body.name;
-  Error e(
-      Exit::kPhysics, "unstable",
-      fmt::format("window {}: the rigid engine has added {:.3g} J, and '{}' has most of the energy now: the engine is "
-                  "unstable or wrong; shorten window_s, or try it with 'sunder validate engines'",
-                  window, energy, name));
+  Error e(Exit::kPhysics, "unstable",
+          fmt::format("the rigid engine has added {:.3g} J, and '{}' has most of the energy now: the engine is "
+                      "unstable or wrong; shorten window_s, or try it with 'sunder validate engines'",
+                      energy, name));
   e.window = window, e.body = name;
   throw e;
 }
@@ -117,11 +116,10 @@ void Books::check_stable(Simulation& simulation, double energy, std::int64_t win
 }
 
 void unstable(double energy, std::int64_t window) {
-  Error e(
-      Exit::kPhysics, "unstable",
-      fmt::format("window {}: the energy has changed by {:.3g} J: the shell is unstable; lower time_step_safety, or "
-                  "refine",
-                  window, energy));
+  Error e(Exit::kPhysics, "unstable",
+          fmt::format("the energy has changed by {:.3g} J: the shell is unstable; lower time_step_safety, or "
+                      "refine",
+                      energy));
   e.window = window;
   throw e;
 }

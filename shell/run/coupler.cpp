@@ -41,12 +41,13 @@ BodyMotion coasted(const RigidBody& body, const Vec3& gravity, double h) {
 void check_way(const link::Motion& from, const BodyMotion& to, const Proxy& body, double most) {
   const double way = (to.position - from.motion.position).norm();
   if (way <= most + 2.0 * body.radius()) return;
-  Error e(Exit::kPeerLost, "bad_message",
-          fmt::format(
-              "states[{}].position: '{}' has moved by {:.3g} m in the window, and at its speed it moves by {:.3g} m at "
-              "most; the engine gives another place than its own motion leads to",
-              body.body.id, body.body.name, way, most));
-  e.body = body.body.name;
+  Error e(
+      Exit::kPeerLost, "bad_message",
+      fmt::format(
+          "states[id {}].position: the body has moved by {:.3g} m in the window, and at its speed it moves by {:.3g} "
+          "m at most; the engine gives another place than its own motion leads to",
+          body.body.id, way, most));
+  e.body = std::to_string(body.body.id);
   throw e;
 }
 

@@ -53,12 +53,10 @@ void Coupler::check_ledger(double window, double dt) {
     }
     ledger_linear_ = worse(linear, ledger_linear_), ledger_angular_ = worse(angular, ledger_angular_);
     if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
-      Error e(
-          Exit::kPhysics, "ledger",
-          fmt::format(
-              "window {}: what the shell lost, body '{}' did not gain: {:.3g} linear of {:.3g} N s, {:.3g} angular of "
-              "{:.3g} N m s",
-              clock_.windows, p.body.name, linear, pushed, angular, turned_by));
+      Error e(Exit::kPhysics, "ledger",
+              fmt::format("what the shell lost, body '{}' did not gain: {:.3g} linear of {:.3g} N s, {:.3g} angular of "
+                          "{:.3g} N m s",
+                          p.body.name, linear, pushed, angular, turned_by));
       e.window = clock_.windows, e.body = p.body.name;
       throw e;
     }
@@ -73,9 +71,9 @@ void check_birth(BirthErrors& most, const RigidBody& b, const BirthErrors& found
   if (found.mass <= tolerance && found.momentum <= tolerance && found.angular_momentum <= tolerance)
     return;  // NaN is not
   Error e(Exit::kPhysics, "ledger",
-          fmt::format("window {}: the birth of '{}' {}: {:.3g} of its mass, {:.3g} of its momentum and {:.3g} of its "
+          fmt::format("the birth of '{}' {}: {:.3g} of its mass, {:.3g} of its momentum and {:.3g} of its "
                       "angular momentum are missing",
-                      window, b.name, where, found.mass, found.momentum, found.angular_momentum));
+                      b.name, where, found.mass, found.momentum, found.angular_momentum));
   e.window = window, e.body = b.name;
   throw e;
 }

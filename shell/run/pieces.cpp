@@ -79,13 +79,17 @@ void check_parts(const RigidBody& body, std::int64_t window) {
   throw e;
 }
 
-Error with_name(const Error& e, const std::vector<Proxy>& bodies) {
+Error with_place(const Error& e, const std::vector<Proxy>& bodies) {
   const auto at =
       std::find_if(bodies.begin(), bodies.end(), [&e](const Proxy& p) { return e.body == std::to_string(p.body.id); });
-  if (at == bodies.end()) return e;
-  Error told(e.status, e.kind, fmt::format("{} (body {} is '{}')", e.what(), e.body, at->body.name));
+  const std::string what = e.what();
+  std::string place = e.window < 0 ? "" : fmt::format("window {}", e.window), name = e.body;
+  if (at != bodies.end()) name = at->body.name;
+  if (at != bodies.end() && what.find(fmt::format("'{}'", name)) == std::string::npos)
+    place += fmt::format("{}body {} '{}'", place.empty() ? "" : ", ", e.body, name);
+  Error told(e.status, e.kind, place.empty() ? what : fmt::format("{}: {}", place, what));
   told.file = e.file, told.line = e.line, told.column = e.column, told.field = e.field, told.window = e.window;
-  told.body = at->body.name;
+  told.body = name;
   return told;
 }
 

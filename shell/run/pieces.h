@@ -35,8 +35,9 @@ struct PieceCounts {
 /// Throws Error (parts) where a new body has more convex parts, or one of them more corners, than a message may carry.
 void check_parts(const RigidBody& body, std::int64_t window);
 
-/// Returns the error of an engine, which knows a body by its number in the exchange, with the body's name beside it.
-Error with_name(const Error& error, const std::vector<Proxy>& bodies);
+/// Returns the error with its window and its body before the text, as far as they are known. An engine knows a body by
+/// its id in the exchange; the name comes from `bodies`, and is left out where the text has it.
+Error with_place(const Error& error, const std::vector<Proxy>& bodies);
 
 /// Finds detached pieces, hands them off, and freezes the shells.
 class Pieces {

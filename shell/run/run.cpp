@@ -32,8 +32,10 @@ Run::Run(RunSetup setup, RunOptions options)
 
 Exit Run::execute(const std::atomic<bool>& interrupted) {
   interrupted_ = &interrupted;
+  bool in_windows = false;
   try {
     start();
+    in_windows = setup_.steps == 0;
     if (options_.profile) profile_ = std::make_unique<Profile>(simulation_);
     while (clock_.tick < end_tick() && !interrupted) window();
     if (!recorder_.has_frame_of_now()) recorder_.write_frame();
@@ -42,14 +44,17 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
     finish(interrupted ? "interrupted" : "done");
     return interrupted ? Exit::kInterrupted : Exit::kDone;
   } catch (const Error& e) {
-    Error told = with_name(e, simulation_.state.bodies);
-    if (told.window < 0 && clock_.windows > 0) told.window = clock_.windows;  // the one that it ended in
+    Error placed = e;
+    if (placed.window < 0 && in_windows) placed.window = clock_.windows;  // the one that it ended in
+    const Error told = e.status == Exit::kInterrupted ? placed : with_place(placed, simulation_.state.bodies);
     fail(told);
     throw told;
   } catch (const std::exception& e) {  // a bug or a failure of the machine: the peer and run.json are told too
-    const Error internal(Exit::kPhysics, "internal", e.what());
-    fail(internal);
-    throw internal;
+    Error internal(Exit::kPhysics, "internal", e.what());
+    if (in_windows) internal.window = clock_.windows;
+    const Error told = with_place(internal, {});
+    fail(told);
+    throw told;
   }
 }
 

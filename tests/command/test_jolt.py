@@ -128,6 +128,8 @@ class Refusals(JoltCase):
             self.assertIn(says, told["error"]["message"])
             if status == 3:
                 self.assertEqual(told["error"]["kind"], "bad_message")
+            else:
+                self.assertEqual(told["error"]["body"], 1)
 
     def test_out_of_turn(self) -> None:
         load, window = self.LOAD, self.window()
@@ -165,8 +167,8 @@ class Refusals(JoltCase):
         for requests, says in (
                 ([PROTOCOL, load, self.window(window_s="NaN")], "window_s is NaN"),
                 ([PROTOCOL, load, self.window(window_s=-1)], "window_s is -1"),
-                ([PROTOCOL, load, self.window({"position": nan})], "predicted[1].position is (0, NaN, 0)"),
-                ([PROTOCOL, load, self.window({"angular_momentum": {"x": "Infinity"}})], "predicted[1].angular_momentum"),
+                ([PROTOCOL, load, self.window({"position": nan})], "predicted[id 1].position is (0, NaN, 0)"),
+                ([PROTOCOL, load, self.window({"angular_momentum": {"x": "Infinity"}})], "predicted[id 1].angular_momentum"),
                 ([PROTOCOL, load, self.window({"orientation": {"w": 1, "x": 0.1}})], "orientation"),
                 ([PROTOCOL, load, self.window({"orientation": {"w": "NaN"}})], "orientation"),
                 ([PROTOCOL, load, {"window": {**self.window()["window"], "predicted": [self.BACK, self.BACK]}}], "out of order"),

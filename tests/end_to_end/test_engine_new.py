@@ -183,6 +183,34 @@ class Checks(unittest.TestCase):
             self.engine.wrong = wrong
             self.refused("engine_failed", ENGINE_FAILED, load={"bodies": [self.body(1), self.body(2)]})
 
+    def test_states_of_other_bodies_are_named(self) -> None:
+        due = [self.body(number, name=f"ball_{number}" if number != 13 else "") for number in range(1, 15)]
+        of = "balls: states: {} for 14 bodies; {}; give one of each that moves, by ascending id"
+        wrong: list[tuple[Callable[[list[Any]], Any], str, int]] = [
+            (lambda s: [one for one in s if one.id != 12], of.format(13, "missing: id 12 'ball_12'"), 12),
+            (lambda s: [one for one in s if one.id not in (13, 14)] + [exchange().BodyState(id=21)],
+             of.format(13, "missing: id 13, 14 'ball_14'; surplus: id 21"), 13),
+            (lambda s: [*s[:3], s[2], *s[3:]], of.format(15, "twice: id 3 'ball_3'"), 3),
+            (lambda s: [*s[:5], s[6], s[5], *s[7:]], of.format(14, "out of order: id 6 'ball_6'"), 6),
+            (lambda s: s[:3], of.format(3, "missing: id " + ", ".join(f"{k} 'ball_{k}'" for k in range(4, 13)) + " and 2 more"), 4)]
+        for states, said, body in wrong:
+            self.setUp()
+            self.engine.wrong = states
+            error = self.ask(load={"bodies": due}).error
+            self.assertEqual((error.kind, error.message, error.body), ("engine_failed", said, body))
+
+    def test_what_is_wrong_with_a_body_is_told_with_its_id(self) -> None:
+        def off(states: list[Any]) -> list[Any]:
+            states[0].orientation.w = 0.9
+            return states
+
+        self.engine.wrong = off
+        error = self.ask(load={"bodies": [self.body(7, name="second")]}).error
+        self.assertEqual((error.message, error.body),
+                         ("balls: the state of body 7 'second': orientation has length 0.9, which must be 1", 7))
+        self.setUp()
+        self.assertEqual(self.ask(load={"bodies": [self.body(7, sphere_radius_m=None, half_space=True)]}).error.body, 7)
+
     def test_an_error_in_the_engine_is_told(self) -> None:
         self.engine.wrong = lambda states: 1 / 0
         self.refused("internal", ENGINE_FAILED, load={"bodies": [self.body()]})

@@ -22,7 +22,46 @@ std::string refusal(const proto::RigidBody& message) {
   return "";
 }
 
+// What states of these ids are refused with, and the body that it is about, where bodies 1 to `count` are due.
+std::pair<std::string, std::string> refused_states(const std::vector<BodyId>& ids, BodyId count) {
+  proto::WindowReply reply;
+  for (const BodyId id : ids) {
+    proto::BodyState* state = reply.add_states();
+    state->set_id(id), state->set_mass(1.0), state->mutable_orientation()->set_w(1.0);
+  }
+  BodyIds expected;
+  for (BodyId id = 1; id <= count; ++id) expected.insert(id);
+  try {
+    link::decode_states(reply.states(), expected);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "bad_message");
+    return {e.what(), e.body};
+  }
+  return {};
+}
+
 }  // namespace
+
+TEST(Messages, StatesOfOtherBodiesAreRefusedWithTheirIds) {
+  std::vector<BodyId> ids(14);
+  for (BodyId i = 0; i < 14; ++i) ids[i] = i + 1;
+  EXPECT_EQ(refused_states(ids, 14).first, "");
+  const std::string remedy = "; give one of each that moves, by ascending id";
+  std::vector<BodyId> forgotten = ids;
+  forgotten.erase(forgotten.begin() + 11);
+  EXPECT_EQ(refused_states(forgotten, 14),
+            std::pair("states: 13 for 14 bodies; missing: id 12" + remedy, std::string("12")));
+  forgotten.pop_back();
+  forgotten.push_back(15);
+  EXPECT_EQ(refused_states(forgotten, 14),
+            std::pair("states: 13 for 14 bodies; missing: id 12, 14; surplus: id 15" + remedy, std::string("12")));
+  EXPECT_EQ(refused_states({1, 2, 2, 3}, 3),
+            std::pair("states: 4 for 3 bodies; twice: id 2" + remedy, std::string("2")));
+  EXPECT_EQ(refused_states({1, 3, 2}, 3),
+            std::pair("states: 3 for 3 bodies; out of order: id 2" + remedy, std::string("2")));
+  EXPECT_EQ(refused_states({}, 12).first,
+            "states: 0 for 12 bodies; missing: id 1, 2, 3, 4, 5, 6, 7, 8, 9 and 3 more" + remedy);
+}
 
 TEST(Messages, ABodyComesBackBitwise) {
   const RigidBody a = shard(), b = link::decode(link::encode(a), "body");
@@ -68,6 +107,9 @@ TEST(Messages, ErrorsOfTheOtherSideHaveAKindAndLimitedPlainText) {
   report.set_kind("bad_body"), report.set_message("body 3");
   EXPECT_EQ(link::decode_error(report, "it").kind, "bad_body");
   EXPECT_STREQ(link::decode_error(report, "it").what(), "it reports: body 3");
+  EXPECT_EQ(link::decode_error(report, "it").body, "");
+  report.set_body(3);
+  EXPECT_EQ(link::decode_error(report, "it").body, "3");
   for (const std::string& kind : {std::string(), std::string("two words"), std::string(1000, 'a')}) {
     report.set_kind(kind);
     EXPECT_EQ(link::decode_error(report, "it").kind, "peer_failed");

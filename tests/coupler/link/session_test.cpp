@@ -207,7 +207,8 @@ TEST(Session, RefusesAnotherMassThanTheOneThatWasLoaded) {
       ADD_FAILURE() << "believed";
     } catch (const Error& e) {
       EXPECT_EQ(e.kind, "bad_message");
-      EXPECT_NE(std::string(e.what()).find("states[1].mass: 2 kg were loaded, 2.2 kg came back"), std::string::npos)
+      EXPECT_EQ(e.body, "1");
+      EXPECT_NE(std::string(e.what()).find("states[id 1].mass: 2 kg were loaded, 2.2 kg came back"), std::string::npos)
           << e.what();
       client.abort(e.kind, e.what());
     }

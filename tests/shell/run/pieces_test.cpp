@@ -24,21 +24,29 @@ RigidBody body_of(std::size_t parts, std::size_t corners) {
 
 }  // namespace
 
-TEST(WithName, TellsWhichShardAnEngineMeans) {
+TEST(WithPlace, TellsWindowAndWhichShardAnEngineMeans) {
   RigidBody shard = body_of(1, 4);
   shard.id = 7, shard.name = "shard_23";
   const std::vector<Proxy> bodies{Proxy(shard)};
   Error e(Exit::kPhysics, "engine_failed", "body 7 has a motion that is not finite");
   e.window = 5, e.body = "7";
-  const Error told = with_name(e, bodies);
+  const Error told = with_place(e, bodies);
   EXPECT_EQ(told.body, "shard_23");
   EXPECT_EQ(told.window, 5);
-  EXPECT_EQ(std::string(told.what()), "body 7 has a motion that is not finite (body 7 is 'shard_23')");
+  EXPECT_EQ(std::string(told.what()), "window 5, body 7 'shard_23': body 7 has a motion that is not finite");
   for (const char* other : {"", "8", "shard_23"}) {
     e.body = other;
-    EXPECT_EQ(std::string(with_name(e, bodies).what()), e.what());
-    EXPECT_EQ(with_name(e, bodies).body, other);
+    EXPECT_EQ(std::string(with_place(e, bodies).what()), "window 5: body 7 has a motion that is not finite");
+    EXPECT_EQ(with_place(e, bodies).body, other);
   }
+  e.window = -1;
+  EXPECT_EQ(std::string(with_place(e, bodies).what()), e.what());
+  e.body = "7";
+  EXPECT_EQ(std::string(with_place(e, bodies).what()), "body 7 'shard_23': body 7 has a motion that is not finite");
+  Error named(Exit::kPhysics, "bad_body", "body 7 'shard_23': is too heavy");
+  named.window = 0, named.body = "7";
+  EXPECT_EQ(std::string(with_place(named, bodies).what()), "window 0: body 7 'shard_23': is too heavy");
+  EXPECT_EQ(with_place(named, bodies).body, "shard_23");
 }
 
 TEST(CheckParts, RefusesWhatNoMessageMayCarry) {

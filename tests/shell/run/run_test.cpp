@@ -50,6 +50,8 @@ TEST(Run, AnErrorIsToldToTheEngineAndToRunJsonWithItsWindow) {
     ADD_FAILURE() << "not refused";
   } catch (const Error& e) {
     EXPECT_EQ(e.kind, "ledger");
+    EXPECT_EQ(std::string(e.what()).rfind("window 4: what the shell lost, body 'ball' did not gain", 0), 0u)
+        << e.what();
   }
   EXPECT_EQ(run.asked.aborted, "ledger");
   EXPECT_FALSE(run.asked.ended);
