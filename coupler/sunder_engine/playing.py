@@ -13,9 +13,10 @@ from typing import Any, Iterable, Protocol
 from .engine import MOTION
 from .messages import exchange, parsed
 from .recording import Body, Exchange, Summary, exchanges
-from .session import is_sound, unsound
+from .session import is_sound, named, unsound, wrong_ids
 
 DOUBLE, SINGLE = 1e-9, 1e-4  # tolerances of engines with double_precision and without (rigid/README.md)
+NOTHING_EXPORTED = "--set coupling.export_above=1e9"  # a run with it needs no export_rows
 SAME, CLOSE, DIFFERS = "same", "close", "differs"
 
 
@@ -51,6 +52,10 @@ class Difference:
     recorded_angular_impulse_N_m_s: float
     angular_impulse_difference_N_m_s: float
     share: float                              # of the tolerance, of the worst of these
+    quantity: str = ""                        # the worst: position, turn, velocity or angular momentum
+    is_by: float = 0.0                        # how far it is off, in `unit`
+    allowed: float = 0.0
+    unit: str = ""
 
 
 @dataclass
@@ -59,7 +64,7 @@ class Reply:
     kind: str
     request: int           # its number
     verdict: str = SAME    # to the bit; close: within the tolerance; differs
-    window: int = 0        # its number from 1; 0: no window
+    window: int = -1       # its number from 0, as in run.json; -1: no window
     tick: int = 0
     ticks: int = 0
     window_s: float = 0.0
@@ -96,8 +101,9 @@ class Player:
         self.summary = Summary(path)
         self.played = Played(recorded=self.summary.engine, tolerance=tolerance or 0.0)
         self.asked = "the connection"  # what is waited for
-        self._sequence = self._windows = 0
+        self._sequence, self._window = 0, -1
         self._predicted: dict[int, Any] = {}
+        self._names = {number: body.name for number, body in self.summary.bodies.items()}
 
     def play(self, engine: Connection) -> Played:
         """Plays all requests, or as many as the engine answers. Raises Refusal, and what the connection raises."""
@@ -105,10 +111,11 @@ class Player:
             self._play(engine)
         except _Wrong as error:
             self.played.stopped = f"{self.asked}: {error}"
-        except Refusal as error:
-            told = exchange().Request(sequence=self._sequence + 1)
-            told.error.kind, told.error.message = "bad_recording", str(error)
-            engine.send(told.SerializeToString())
+        except Refusal:
+            try:
+                self._bye(engine)  # an Error would be told by the engine as well
+            except Exception:  # noqa: BLE001: why the session is refused matters more
+                pass
             raise
         return self.played
 
@@ -125,9 +132,12 @@ class Player:
             else:
                 self._compare(one, answer)
         if not ended:  # the recorded run was interrupted or failed
-            bye = exchange().Request()
-            bye.bye.SetInParent()
-            self._ask(engine, bye, self._sequence + 1)
+            self._bye(engine)
+
+    def _bye(self, engine: Connection) -> None:
+        bye = exchange().Request()
+        bye.bye.SetInParent()
+        self._ask(engine, bye, self._sequence + 1)
 
     def _ask(self, engine: Connection, request: Any, number: int) -> Any:
         """The reply. Raises _Wrong."""
@@ -136,7 +146,11 @@ class Player:
         request.sequence = self._sequence
         if kind == "hello":
             request.hello.trace = False
-        self.asked = f"request {number} ({kind})"
+        if kind == "window":
+            self._window += not request.window.again
+            self.asked = f"window {self._window} (request {number})"
+        else:
+            self.asked = f"{kind} (request {number})"
         engine.send(request.SerializeToString())
         answer = engine.receive()
         try:
@@ -150,7 +164,7 @@ class Player:
                          "are due")
         for state in reply.window.states if kind == "window" else ():
             if not is_sound(state):
-                raise _Wrong(f"body {state.id}: {unsound(state)}")
+                raise _Wrong(f"body {named(state.id, self._names)}: {unsound(state)}")
         return reply
 
     def _greeted(self, one: Exchange, reply: Any) -> None:
@@ -159,10 +173,13 @@ class Player:
         played.engine, played.version, played.capabilities = hello.engine_name, hello.engine_version, list(hello.capabilities)
         if hello.scene_hash != one.request.hello.scene_hash:
             raise _Wrong("scene_hash does not come back as it was sent")
-        lacking = [f"{word} (request {number})" for word, number in summary.needs.items() if word not in played.capabilities]
+        lacking = {word: number for word, number in summary.needs.items() if word not in played.capabilities}
         if lacking:
-            raise Refusal(f"the session needs {', '.join(lacking)}, which {hello.engine_name} does not declare; declare them, or record "
-                          "a run of a scene that needs no more (sunder run SCENE --rigid ENGINE --record)")
+            words = ", ".join(f"{word} (request {number})" for word, number in lacking.items())
+            other = ("the run so that it exports no body: sunder run SCENE --rigid ENGINE --record " + NOTHING_EXPORTED
+                     if list(lacking) == ["export_rows"] else "a run of a scene that needs no more (sunder run SCENE --rigid ENGINE --record)")
+            raise Refusal(f"the session needs {words}, which {hello.engine_name} does not declare; declare "
+                          f"{'it' if len(lacking) == 1 else 'them'}, or record {other}")
         if summary.restores and summary.engine != f"{hello.engine_name} {hello.engine_version}".strip():
             raise Refusal(f"the session goes on from a checkpoint with caches of {summary.engine}, which only that engine reads; "
                           "record a run from its start")
@@ -176,8 +193,7 @@ class Player:
         said = getattr(one.request, one.kind)
         if one.kind == "window":
             self._predicted = {motion.id: motion for motion in said.predicted}
-            self._windows += 1
-            found.window = self._windows
+            found.window = self._window
             found.tick, found.ticks, found.window_s = said.tick, said.ticks, said.window_s
             if now.tick != then.tick:
                 found.notes.append(f"its tick is {now.tick}, and {then.tick} is due")
@@ -197,10 +213,8 @@ class Player:
         recorded = {state.id: state for state in then}
         found.bodies = len(recorded)
         if [state.id for state in mine] != list(recorded):
-            ids = [state.id for state in mine]
-            lacking, extra = sorted(set(recorded) - set(ids)), sorted(set(ids) - set(recorded))
-            found.notes.append(f"states of other bodies: missing {lacking[:9]}, not due {extra[:9]}" if lacking or extra
-                               else "states that are not by ascending id, or twice")
+            wrong, _ = wrong_ids([state.id for state in mine], list(recorded), self._names)
+            found.notes.append(f"states: {len(mine)} for {len(recorded)} bodies; {wrong}")
         for state in mine:
             if state.id not in recorded:
                 continue
@@ -221,13 +235,15 @@ class Player:
         position, velocity = _apart(now.position, then.position), _apart(now.velocity, then.velocity)
         turn, spin = _turn(now.orientation, then.orientation), _apart(now.angular_momentum, then.angular_momentum)
         fastest, tolerance = self.summary.fastest, self.played.tolerance
-        share = max(_share(value, tolerance * scale) for value, scale in (
-            (position, body.size), (turn, 1.0), (velocity, fastest), (spin, body.mass * body.size * fastest)))
+        share, quantity, is_by, allowed, unit = max(
+            (_share(value, tolerance * scale), quantity, value, tolerance * scale, unit) for quantity, value, scale, unit in (
+                ("position", position, body.size, "m"), ("turn", turn, 1.0, "rad"), ("velocity", velocity, fastest, "m/s"),
+                ("angular momentum", spin, body.mass * body.size * fastest, "N m s")))
         predicted = self._predicted.get(now.id, then)
         return Difference(
             body.name, position, turn, velocity, body.mass * _apart(now.velocity, predicted.velocity),
             body.mass * _apart(then.velocity, predicted.velocity), _apart(now.angular_momentum, predicted.angular_momentum),
-            _apart(then.angular_momentum, predicted.angular_momentum), spin, share)
+            _apart(then.angular_momentum, predicted.angular_momentum), spin, share, quantity, is_by, allowed, unit)
 
     def _compare_rows(self, found: Reply, then: Any, now: Any) -> None:
         """Contact rows of Export, in their order."""

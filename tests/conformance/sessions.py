@@ -148,9 +148,17 @@ def _line(reply: Reply) -> str:
 
 
 def _numbers(worst: Difference) -> str:
-    return (f"{worst.body}: position by {worst.position_m:.2g} m, turn {worst.turn_rad:.2g} rad, velocity "
-            f"{worst.velocity_m_per_s:.2g} m/s; impulse {worst.impulse_N_s:.4g} N s instead of {worst.recorded_impulse_N_s:.4g}, angular "
-            f"{worst.angular_impulse_N_m_s:.4g} N m s instead of {worst.recorded_angular_impulse_N_m_s:.4g}")
+    linear = unlike(worst.impulse_N_s, worst.recorded_impulse_N_s)
+    angular = unlike(worst.angular_impulse_N_m_s, worst.recorded_angular_impulse_N_m_s)
+    return (f"{worst.body}: {worst.quantity} is off by {worst.is_by:.2g} {worst.unit}, {worst.allowed:.2g} allowed; of all: position by "
+            f"{worst.position_m:.2g} m, turn {worst.turn_rad:.2g} rad, velocity {worst.velocity_m_per_s:.2g} m/s; impulse {linear[0]} N s "
+            f"instead of {linear[1]}, angular {angular[0]} N m s instead of {angular[1]}")
+
+
+def unlike(one: float, other: float) -> tuple[str, str]:
+    """Two numbers with as many digits as tell them apart, four at least."""
+    return next(pair for digits in range(4, 18) if (pair := (f"{one:.{digits}g}", f"{other:.{digits}g}")) and (
+        pair[0] != pair[1] or one == other or digits == 17))
 
 
 def as_json(path: Path, played: Played, ended: str) -> dict[str, object]:
