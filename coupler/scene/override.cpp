@@ -1,4 +1,5 @@
 // Applies --set: one field of a scene, by its path.
+#include <algorithm>
 #include <sstream>
 
 #include <google/protobuf/io/tokenizer.h>
@@ -82,6 +83,13 @@ void apply_setting(proto::Scene& scene, const std::string& setting) {
         pb::Message* candidate = r->MutableRepeatedMessage(at, f, i);
         names.push_back(name_of(*candidate));
         if (name_of(*candidate) == element || (number && std::to_string(i) == element)) found = candidate;
+      }
+      if (element.empty()) {
+        const bool named = std::find(names.begin(), names.end(), next) != names.end();
+        const bool counted = next.find_first_not_of("0123456789") == std::string::npos;
+        const std::string which = named || counted ? next : names.empty() || names[0].empty() ? "0" : names[0];
+        fail(fmt::format("'{0}' is a list; write {0}[{1}], by name or number from 0; it has {2}", step, which,
+                         names.size()));
       }
       if (!found && f->message_type()->FindFieldByName("name"))
         fail(fmt::format("{}[{}] is not there; {}", step, element, did_you_mean(element, names)));
