@@ -22,8 +22,8 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--list", action="store_true", help="with engines: print the cases with what they need, and end")
     parser.add_argument("--leave-out", metavar="NAME", help="with engines: not these cases, NAME,NAME")
     parser.add_argument("--expect", metavar="FILE", type=Path,
-                        help="with engines --rigid: rows that are known to fail, NAME and why on a line, as in\n"
-                             "tests/conformance/known; a row that fails and is not there, or is and passes, is status 1")
+                        help="with engines --rigid: rows that are known to fail, NAME LARGEST_ERROR WHY, as in\n"
+                             "tests/conformance/known; one that is not there, or is worse or passes, is status 1")
     parser.add_argument("--full", action="store_true", help="with extremes: the long rows as well")
     parser.add_argument("--known", action="store_true",
                         help="exit status 0 where nothing fails but what is known to, as far as tests/validation/known allows")

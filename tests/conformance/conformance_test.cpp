@@ -127,20 +127,27 @@ TEST(Conformance, HoldsAnEngineToTheListOfItsKnownFailures) {
     std::ofstream(list) << lines;
     return with_fault("bullet", fault, fmt::format("collision_spheres --expect '{}'", list));
   };
-  const std::string gain = "# a comment\n\ncollision_spheres.gain it is bouncy\n";
+  const std::string gain = "# a comment\n\ncollision_spheres.gain 100 it is bouncy\n";
   Outcome known = with_list(gain, "bouncy");
   EXPECT_EQ(known.verdicts["collision_spheres.gain"], "known") << known.said;
   EXPECT_NE(known.notes["collision_spheres.gain"].find("it is bouncy"), std::string::npos) << known.said;
   EXPECT_EQ(known.status, 0) << known.said;
+  Outcome worse = with_list("collision_spheres.gain 1e-8 it is bouncy\n", "bouncy");
+  EXPECT_EQ(worse.status, 1) << worse.said;
+  EXPECT_EQ(worse.verdicts["collision_spheres.gain"], "fail") << worse.said;
+  EXPECT_EQ(worse.notes["collision_spheres.gain"].find("known: "), std::string::npos) << worse.said;
+  EXPECT_NE(worse.notes["collision_spheres.gain"].find("known up to 1e-08: it is bouncy"), std::string::npos)
+      << worse.said;
   Outcome passes = with_list(gain, "none");
   EXPECT_EQ(passes.status, 1) << passes.said;
   EXPECT_EQ(passes.verdicts["collision_spheres.gain"], "fail") << passes.said;
-  Outcome other = with_list("collision_spheres.met because\n", "leaks");
+  Outcome other = with_list("collision_spheres.met 2 because\n", "leaks");
   EXPECT_EQ(other.status, 1) << other.said;
   EXPECT_EQ(other.verdicts["collision_spheres.linear"], "fail") << other.said;
-  EXPECT_EQ(with_list("collision_spheres.nonsense because\n", "none").status, 1);      // no such row
-  EXPECT_EQ(with_list("collision_boxes_elastic.energy because\n", "none").status, 0);  // a case that did not run
-  EXPECT_EQ(with_list("collision_spheres.gain\n", "none").status, 2);                  // without a reason
+  EXPECT_EQ(with_list("collision_spheres.nonsense 1 because\n", "none").status, 1);      // no such row
+  EXPECT_EQ(with_list("collision_boxes_elastic.energy 1 because\n", "none").status, 0);  // a case that did not run
+  for (const std::string lacking : {"", " 1", " it is bouncy", " -1 it is bouncy", " inf it is bouncy", " 1x it is"})
+    EXPECT_EQ(with_list("collision_spheres.gain" + lacking + "\n", "none").status, 2) << lacking;
   EXPECT_EQ(with_list(gain + gain, "none").status, 2);
   std::filesystem::remove(list);
   EXPECT_EQ(suite(fmt::format("--engine '{}' --expect '{}'", WRONG_ENGINE, list)).status, 2);

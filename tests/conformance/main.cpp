@@ -64,7 +64,8 @@ int run(int argc, char** argv) {
   app.add_option("--leave-out", left_out, "Does not run this case; may be given again")
       ->type_name("NAME")
       ->allow_extra_args(false);
-  app.add_option("--expect", expected, "Rows that are known to fail, NAME and why on a line; wrong if one passes")
+  app.add_option("--expect", expected,
+                 "Rows that are known to fail, NAME LARGEST_ERROR WHY on a line; wrong if one passes")
       ->type_name("FILE")
       ->take_last();
   app.add_option("--json", json, "Writes the rows here too")->type_name("FILE")->take_last();

@@ -1,6 +1,7 @@
 #include "tests/conformance/report.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -47,18 +48,28 @@ void Report::expect(const std::string& path) {
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     std::istringstream words(line.substr(0, line.find('#')));
-    std::string name, why;
+    std::string name, largest, why;
     if (!(words >> name)) continue;
+    words >> largest;
     std::getline(words >> std::ws, why);
+    Known known{.why = why};
+    const auto [end, wrong] = std::from_chars(largest.data(), largest.data() + largest.size(), known.largest);
+    if (wrong != std::errc() || end != largest.data() + largest.size() || !(known.largest > 0.0) ||
+        !std::isfinite(known.largest))
+      throw Error(
+          Exit::kBadInput, "bad_file",
+          fmt::format("{}:{}: '{}': give the largest error at which it is known, then the reason, as in '{} 0.2 "
+                      "it bounces late'",
+                      path, number, name, name));
     if (why.empty())
       throw Error(Exit::kBadInput, "bad_file", fmt::format("{}:{}: '{}': say why it fails", path, number, name));
-    if (!known_.emplace(name, why).second)
+    if (!known_.emplace(name, known).second)
       throw Error(Exit::kBadInput, "bad_file", fmt::format("{}:{}: '{}' comes twice", path, number, name));
   }
 }
 
 void Report::check_list(const std::string& case_name) {
-  for (const auto& [name, why] : known_) {
+  for (const auto& [name, known] : known_) {
     if (name.substr(0, name.find('.')) != case_name) continue;
     const auto judged = [&name = name](const Row& r) {
       return r.name == name && (r.verdict == Verdict::kKnown || r.verdict == Verdict::kFail);
@@ -74,8 +85,11 @@ void Report::begin(const std::string& name, const std::vector<std::string>& need
 void Report::add(Row row) {
   const auto known = known_.find(row.name);
   if (known != known_.end() && row.verdict == Verdict::kFail) {
-    row.verdict = Verdict::kKnown;
-    row.note += (row.note.empty() ? "known: " : "; known: ") + known->second;
+    if (row.error <= known->second.largest) row.verdict = Verdict::kKnown;
+    row.note += (row.note.empty() ? "" : "; ") +
+                (row.verdict == Verdict::kKnown
+                     ? "known: " + known->second.why
+                     : fmt::format("known up to {:g}: {}", known->second.largest, known->second.why));
   } else if (known != known_.end() && row.verdict == Verdict::kPass) {
     row.verdict = Verdict::kFail;
     row.note += (row.note.empty() ? "" : "; ") + ("passes: take it out of " + list_);

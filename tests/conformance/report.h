@@ -22,8 +22,9 @@ struct Row {
 /// Collects and prints rows.
 class Report {
  public:
-  /// Reads the list of known failures. A line has the name of a row and the reason; `#` begins a comment. A listed row
-  /// that passes fails the suite, so a list stays up to date. Throws Error (bad_file).
+  /// Reads the list of known failures. A line has the name of a row, the largest error at which it is still that, and
+  /// the reason; `#` begins a comment. A listed row fails the suite where it passes, so a list stays up to date, and
+  /// where its error is larger. Throws Error (bad_file).
   void expect(const std::string& path);
   /// After a case has run: fails its listed rows that were not judged.
   void check_list(const std::string& case_name);
@@ -51,8 +52,12 @@ class Report {
   void add(Row row);
   std::string case_;
   std::vector<std::string> needs_;
-  std::string list_;                          // path of the list of known failures
-  std::map<std::string, std::string> known_;  // reason by row
+  std::string list_;  // path of the list of known failures
+  struct Known {
+    double largest = 0.0;  // error
+    std::string why;
+  };
+  std::map<std::string, Known> known_;  // by row
   std::vector<Row> rows_;
 };
 
