@@ -71,8 +71,9 @@ void Report::expect(const std::string& path) {
 void Report::check_list(const std::string& case_name) {
   for (const auto& [name, known] : known_) {
     if (name.substr(0, name.find('.')) != case_name) continue;
-    const auto judged = [&name = name](const Row& r) {
-      return r.name == name && (r.verdict == Verdict::kKnown || r.verdict == Verdict::kFail);
+    const auto judged = [&](const Row& r) {
+      return r.name == name ? r.verdict == Verdict::kKnown || r.verdict == Verdict::kFail
+                            : r.name == case_name && r.verdict == Verdict::kSkipped;
     };
     if (std::any_of(rows_.begin(), rows_.end(), judged)) continue;
     rows_.push_back({name, {}, NAN, NAN, NAN, -1.0, Verdict::kFail, "is in " + list_ + " and was not judged"});

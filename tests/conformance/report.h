@@ -26,7 +26,7 @@ class Report {
   /// the reason; `#` begins a comment. A listed row fails the suite where it passes, so a list stays up to date, and
   /// where its error is larger. Throws Error (bad_file).
   void expect(const std::string& path);
-  /// After a case has run: fails its listed rows that were not judged.
+  /// After a case has run: fails its listed rows that were not judged, unless the case was skipped.
   void check_list(const std::string& case_name);
   /// Later rows belong to this case.
   void begin(const std::string& name, const std::vector<std::string>& needs);
