@@ -86,7 +86,8 @@ void apply_setting(proto::Scene& scene, const std::string& setting) {
       }
       if (element.empty()) {
         const bool named = std::find(names.begin(), names.end(), next) != names.end();
-        const bool counted = next.find_first_not_of("0123456789") == std::string::npos;
+        const bool counted = next.size() < 9 && next.find_first_not_of("0123456789") == std::string::npos &&
+                             std::stoul(next) < names.size();
         const std::string which = named || counted ? next : names.empty() || names[0].empty() ? "0" : names[0];
         fail(fmt::format("'{0}' is a list; write {0}[{1}], by name or number from 0; it has {2}", step, which,
                          names.size()));

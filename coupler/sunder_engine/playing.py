@@ -212,8 +212,8 @@ class Player:
         mine = list(now)
         recorded = {state.id: state for state in then}
         found.bodies = len(recorded)
-        if [state.id for state in mine] != list(recorded):
-            wrong, _ = wrong_ids([state.id for state in mine], list(recorded), self._names)
+        if [state.id for state in mine] != sorted(recorded):  # whatever order a recording has
+            wrong, _ = wrong_ids([state.id for state in mine], sorted(recorded), self._names)
             found.notes.append(f"states: {len(mine)} for {len(recorded)} bodies; {wrong}")
         for state in mine:
             if state.id not in recorded:

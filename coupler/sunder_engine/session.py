@@ -42,7 +42,9 @@ def unsound(message: Any) -> str:
     """Says what is_sound() found: the field and its value."""
     for field, value in message.ListFields():
         if field.message_type is not None and field.label != field.LABEL_REPEATED:
-            inner = [getattr(value, part.name) for part in value.DESCRIPTOR.fields]
+            parts = value.DESCRIPTOR.fields
+            flat = all(part.message_type is None and part.label != part.LABEL_REPEATED for part in parts)  # zeros are not listed
+            inner = [getattr(value, part.name) for part in parts] if flat else list(numbers(value))
             if not all(map(math.isfinite, inner)):
                 return f"{field.name} is ({', '.join(f'{x:g}' for x in inner)}): not finite"
         elif isinstance(value, float) and not math.isfinite(value):
@@ -57,7 +59,7 @@ def named(body: int, names: Mapping[int, str]) -> str:
 
 
 def wrong_ids(ids: Sequence[int], due: Sequence[int], names: Mapping[int, str]) -> tuple[str, int]:
-    """Says which of these ids are not those that are `due`, in ascending order; and the first of them."""
+    """Says which of these ids are not those that are `due`, in ascending order; and the first of them. They differ from sorted(due)."""
     held = set(ids)
     found = {"missing": sorted(set(due) - held), "surplus": sorted(held - set(due)),
              "twice": [body for body in sorted(held) if ids.count(body) > 1] if len(ids) > len(held) else []}

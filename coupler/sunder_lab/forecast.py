@@ -33,20 +33,27 @@ class Checked:
 
 @dataclass(frozen=True)
 class Forecast:
-    """What is known of a series before it runs. `minutes`: of all runs that remain, NaN where none was checked."""
+    """What is known of a series before it runs. `minutes`: of all runs that remain, 0 where every scene is refused; `longest`: of the
+    longest one; `side_by_side`: how many can run at a time, whatever the machine."""
     checked: list[Checked]
     combinations: int
     runs: int
     minutes: float
+    longest: float
+    side_by_side: int
     seconds: float  # that the checks took
 
     def lines(self, settings: Settings) -> list[str]:
         """Returns lines for people: the cost of all runs."""
         of = "" if len(self.checked) == self.combinations else f" of {self.combinations}, with the smallest and largest values,"
-        at_once = settings.jobs_at_once()
-        return [f"{counted(len(self.checked))}{of} checked in {self.seconds:.2g} s; {self.runs} runs take at most about "
-                f"{duration(self.minutes)} on one thread, uncracked; cracks can make that three times as long"
-                + (f"; {at_once} runs at a time: {duration(self.minutes / at_once)}" if at_once > 1 else "")]
+        at_once = min(settings.jobs_at_once(), self.side_by_side)
+        told = f"{counted(len(self.checked))}{of} checked in {self.seconds:.2g} s"
+        if self.minutes > 0.0:
+            told += (f"; {self.runs} runs take at most about {duration(self.minutes)} on one thread, uncracked; "
+                     "cracks can make that three times as long")
+            if at_once > 1:
+                told += f"; {at_once} runs at a time: {duration(max(self.minutes / at_once, self.longest))}"
+        return [told]
 
     def troubles(self) -> list[str]:
         """Returns lines for people: refusals and warnings, each kind once, with the first combination that has it."""
@@ -77,15 +84,22 @@ def duration(minutes: float) -> str:
     return f"{minutes:.3g} min" if minutes < 120.0 else f"{minutes / 60.0:.3g} h"
 
 
+def minutes_of(report: str) -> float:
+    """Reads how long a run takes at most, uncracked, from what `sunder check` prints [min]."""
+    found = re.search(r"^time +at most ([0-9.e+-]+) min", report, re.M)
+    return float(found[1]) if found else 0.0
+
+
 def read_report(words: str, report: str) -> Checked:
     """Reads minutes and warnings from what `sunder check` prints."""
-    found = re.search(r"^time +at most ([0-9.e+-]+) min", report, re.M)
-    return Checked(words, minutes=float(found[1]) if found else 0.0,
+    return Checked(words, minutes=minutes_of(report),
                    warnings=tuple(re.findall(r"^warning +(.*)$", report, re.M)))
 
 
-def forecast(name: str, planned: Sequence[Planned], settings: Settings, runs: int | None = None) -> Forecast | None:
-    """Checks the scenes of members that are not done; None where all are. `runs`: how many there will be, if not those.
+def forecast(name: str, planned: Sequence[Planned], settings: Settings, runs: int | None = None,
+             side_by_side: int | None = None) -> Forecast | None:
+    """Checks the scenes of members that are not done; None where all are. `runs`: how many there may be in all, `side_by_side`: how
+    many at a time; None: those that are not done.
 
     Raises CommandError where nothing was run yet and every scene is refused.
     """
@@ -114,13 +128,16 @@ def forecast(name: str, planned: Sequence[Planned], settings: Settings, runs: in
     mean = sum(c.minutes for c in taken) / len(taken) if taken else 0.0
     each = {c.words: c.minutes for c in checked}
     minutes = (sum(each.get(words, mean) * len(group) for words, group in groups.items())) if runs is None else mean * runs
-    return Forecast(checked, len(groups), len(remaining) if runs is None else runs, minutes, time.monotonic() - start)
+    count = len(remaining) if runs is None else runs
+    return Forecast(checked, len(groups), count, minutes, max((c.minutes for c in taken), default=0.0),
+                    count if side_by_side is None else side_by_side, time.monotonic() - start)
 
 
-def announce(name: str, planned: Sequence[Planned], settings: Settings, runs: int | None = None) -> None:
+def announce(name: str, planned: Sequence[Planned], settings: Settings, runs: int | None = None,
+             side_by_side: int | None = None) -> None:
     """Prints the forecast; refusals of some scenes and warnings also where progress is not wanted. Raises CommandError as
     `forecast` does."""
-    found = forecast(name, planned, settings, runs)
+    found = forecast(name, planned, settings, runs, side_by_side)
     if found is None:
         return
     for line in found.lines(settings):

@@ -249,7 +249,7 @@ def _enter(at: Any, step: str, path: str) -> Any:
             return part
     if not bracket:
         following = path.partition(f"{name}.")[2].split(".")[0]
-        which = following if following in names or following.isdigit() else "NAME"
+        which = following if following in names or following.isdigit() and int(following) < len(names) else "NAME"
         raise BadSetting(f"{path}: '{name}' is a list; write {name}[{which}]; there are: {', '.join(names) or 'none'}")
     raise BadSetting(f"{path}: {name}[{element}] is not there; {_near(element, names, 'there are')}")
 

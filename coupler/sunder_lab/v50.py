@@ -118,7 +118,7 @@ class V50:
     def announce(self, settings: Settings) -> None:
         """Prints what `sunder check` says of both ends of the range. Raises CommandError where both are refused."""
         halvings = max(0, math.ceil(math.log2((self.high - self.low) / self.tolerance)))
-        announce(self.name, self.plan(), settings, len(self.seeds) * (2 + halvings))
+        announce(self.name, self.plan(), settings, len(self.seeds) * (2 + halvings), len(self.seeds))
 
     def run(self, settings: Settings | Path | str) -> Ballistic:
         """Runs until every pane is decided. Writes results.csv, results.sqlite, times.csv, v50.json, plots.png."""

@@ -49,15 +49,17 @@ void look_how_near(const RunSetup& setup, const State& state, double time, Nearn
   }
 }
 
-std::string apart_warning(const RunSetup& setup, const Nearness& near, double time, bool frozen) {
+std::string apart_warning(const RunSetup& setup, const Nearness& near, double time, const std::string& frozen) {
   if (near.touched || near.body < 0) return "";
   return fmt::format(
       "no moving body has touched a shell in {:.4g} s{}: '{}' was nearest, {:.2g} m from shell '{}' at {:.4g} s, as "
       "far "
       "as looks from time to time tell; look at its place and velocity, or {}",
-      time, frozen ? ", when the shells were frozen" : "", setup.bodies[near.body].name, near.gap,
+      time, frozen.empty() ? "" : ", when the shells were frozen", setup.bodies[near.body].name, near.gap,
       setup.shells[near.shell].model.name, near.time,
-      frozen ? "let the shells be frozen later (fracture { latest_freeze_s })" : "give a later end_time_s");
+      frozen.empty() ? "give a later end_time_s"
+                     : fmt::format("let the shells be frozen later (fracture {{ {} }})",
+                                   frozen == "latest_freeze_s" ? "latest_freeze_s" : "quiet_time_s"));
 }
 
 }  // namespace sunder::shell

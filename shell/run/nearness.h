@@ -25,7 +25,7 @@ void note_touches(const RunSetup& setup, const State& state, Nearness& near);
 void look_how_near(const RunSetup& setup, const State& state, double time, Nearness& near);
 
 /// A sentence for run.json where no moving body has touched a shell up to `time` [s]; empty where one has, or where
-/// nobody has looked. `frozen`: the shells were frozen at that time.
-std::string apart_warning(const RunSetup& setup, const Nearness& near, double time, bool frozen = false);
+/// nobody has looked. `frozen`: why the shells were frozen at that time, as in run.json; empty: they were not.
+std::string apart_warning(const RunSetup& setup, const Nearness& near, double time, const std::string& frozen = "");
 
 }  // namespace sunder::shell

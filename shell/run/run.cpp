@@ -38,6 +38,7 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
     in_windows = setup_.steps == 0;
     if (options_.profile) profile_ = std::make_unique<Profile>(simulation_);
     while (clock_.tick < end_tick() && !interrupted) window();
+    in_windows = false;
     if (!recorder_.has_frame_of_now()) recorder_.write_frame();
     recorder_.write_tables();  // the rows of the last window came after its frame
     if (interrupted && setup_.checkpoint_interval > 0.0) save_checkpoint(drop_caches());

@@ -360,7 +360,7 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
     const double time = frozen ? counts.frozen_at : run.clock.time();
     Nearness near = run.coupler.near();
     look_how_near(run.setup, state, time, near);
-    if (std::string apart = apart_warning(run.setup, near, time, frozen); !apart.empty())
+    if (std::string apart = apart_warning(run.setup, near, time, frozen ? run.pieces.frozen_why() : ""); !apart.empty())
       told.push_back(std::move(apart));
   }
   j["warnings"] = told;

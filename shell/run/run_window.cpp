@@ -132,7 +132,7 @@ void Run::close_books(double dt) {
     Stopwatch w(times[Stage::kInternalForce]);
     energy = simulation_.total_energy(dt);
   }
-  books_.check_stable(simulation_, energy, clock_.windows);
+  books_.check_stable(simulation_, energy, clock_.windows - 1);  // the exchange has counted it
   books_.close(simulation_, energy + books_.sum(simulation_).lost() + state.engine_loss, clock_.time());
   Stopwatch w(times[Stage::kCrackUpdate]);
   const std::vector<const ShellModel*> models = simulation_.model.setup.models();

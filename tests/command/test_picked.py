@@ -26,6 +26,9 @@ class Picked(unittest.TestCase):
         self.assertEqual(pick("2ms-5ms", EACH_MS), [2, 3, 4, 5])
         self.assertEqual(pick("2.1e-3s-4900us", EACH_MS), [3, 4])
         self.assertEqual(pick("6.5 ms-last,0", EACH_MS), [0, 7, 8, 9])
+        late = frames_at(0, 1.00049e-3, 1.9996e-3)  # captions say 1 ms and 2 ms
+        self.assertEqual(pick("2ms", late), [2])
+        self.assertEqual(pick("1ms-2ms", late), [1, 2])
         self.assertEqual(pick("250\u00b5s,9000.000001us", EACH_MS), [0, 9])
 
     def test_what_is_no_frame(self) -> None:
@@ -35,6 +38,9 @@ class Picked(unittest.TestCase):
                           ("1ms-5", "mixes a number and a time"), ("2.1ms-2.9ms", "no frame is within 2.1ms-2.9ms; the nearest are 0.002 and 0.003 s")):
             with self.assertRaisesRegex(CommandError, why):
                 pick(spec, EACH_MS)
+        for spec in ("0", "0s", "all"):
+            with self.assertRaisesRegex(CommandError, "the run has no frame"):
+                pick(spec, [])
         with self.assertRaisesRegex(CommandError, "are load steps; give numbers, 0 to 3"):
             pick("2s", frames_at(0, 1, 2, 3, step=True))
 

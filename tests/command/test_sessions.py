@@ -5,12 +5,13 @@ import contextlib
 import io
 import subprocess
 import unittest
+from types import SimpleNamespace
 from typing import Any
 
 from sunder_engine.messages import exchange
-from sunder_engine.playing import Player
+from sunder_engine.playing import Player, Reply
 from sunder_engine.recording import exchanges
-from sunder_engine.session import Session, is_sound, unsound
+from sunder_engine.session import Session, is_sound, unsound, wrong_ids
 from tests.conformance.sessions import unlike
 
 from . import REPOSITORY, sunder
@@ -26,6 +27,30 @@ class Sound(unittest.TestCase):
                 state = exchange().BodyState(**{"id": 1, "mass": 1.0, "orientation": {"w": 1.0}, **values})
                 self.assertFalse(is_sound(state))
                 self.assertEqual(unsound(state), words)
+
+    def test_corners_of_a_shard_are_no_vector(self) -> None:
+        shard = exchange().Load().bodies.add(id=4)
+        shard.orientation.w = 0.9
+        corners = shard.convex.parts.add().corners
+        corners[:] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0]
+        self.assertEqual(unsound(shard), "orientation has length 0.9, which must be 1")
+        corners[1] = float("inf")
+        self.assertEqual(unsound(shard), "convex is (0, inf, 0, 1, 0, 0): not finite")
+
+    def test_wrong_ids_are_named_by_what_is_wrong(self) -> None:
+        names = {2: "ball"}
+        for ids, words, first in (([1, 3], "missing: id 2 'ball'", 2), ([1, 2, 3, 9], "surplus: id 9", 9),
+                                  ([1, 2, 2, 3], "twice: id 2 'ball'", 2), ([1, 3, 2], "out of order: id 2 'ball'", 2),
+                                  ([3, 9], "missing: id 1, 2 'ball'; surplus: id 9", 1)):
+            self.assertEqual(wrong_ids(ids, [1, 2, 3], names), (words, first))
+
+    def test_a_recording_whose_states_are_in_another_order_is_compared_all_the_same(self) -> None:
+        states = [exchange().BodyState(id=k, mass=1.0) for k in (2, 1)]
+        player = SimpleNamespace(_names={}, summary=SimpleNamespace(bodies={1: "a", 2: "b"}), played=SimpleNamespace(tolerance=1e-9))
+        reply = Reply("window", 7)
+        with contextlib.suppress(AttributeError):  # of the stand-ins, once the order was judged
+            Player._compare_states(player, reply, states, states[::-1])  # type: ignore[arg-type]
+        self.assertEqual(reply.notes, [])
 
 
 class Playing(Sessions):

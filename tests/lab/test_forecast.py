@@ -5,6 +5,7 @@ import contextlib
 import io
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
@@ -48,7 +49,7 @@ class Forecasts(unittest.TestCase):
             thick(2e-3, 3e-3).run(self.settings)
         self.assertIn("thick: nothing was run\nrefused by 'sunder check', all 4 scenes:\nthickness_m 0.002, speed 20.0: ",
                       str(raised.exception))
-        self.assertEqual(str(raised.exception).count("inside shell 'plate'; move it away"), 1)  # other depths, same words
+        self.assertEqual(str(raised.exception).count("inside shell 'plate', whose faces"), 1)  # other depths, same words
         self.assertEqual(raised.exception.status, 2)
         self.assertFalse(self.out.exists())
 
@@ -69,10 +70,15 @@ class Forecasts(unittest.TestCase):
             self.assertEqual((check.call_count, found.runs, found.minutes), (4, 12, 6.0))
             self.assertIn("12 runs take at most about 6 min on one thread", found.lines(self.settings)[0])
             self.assertIn("2 runs at a time: 3 min", found.lines(self.settings)[0])
+            many = replace(self.settings, jobs=16)
+            self.assertIn("12 runs at a time: 30 s", found.lines(many)[0])  # no more than there are, and not less than one takes
+            self.assertNotIn("at a time", replace(found, side_by_side=1).lines(many)[0])
+            self.assertIn("2 runs at a time: 5 min", replace(found, side_by_side=2, longest=5.0).lines(many)[0])
             self.assertEqual(found.troubles(), ["warning: 4 of 4 scenes, first thickness_m 0.001, speed 20.0: 1.5 m is thick"])
             limit = sunder.V50("limit", plate(), {"bodies[pellet].twist.linear.z": lambda v: -v}, 20.0, 40.0, [1, 2],
                                tolerance=3.0, through=lambda _: None)
             self.assertIn("2 scenes checked", told := self.told(limit))
+            self.assertIn("2 runs at a time: 2.5 min", told)
             self.assertIn("10 runs take at most about 5 min", told)  # both ends and three halvings, of two panes
 
     def test_of_many_scenes_the_ends_are_asked_and_all_where_those_are_refused(self) -> None:
@@ -114,6 +120,7 @@ class Forecasts(unittest.TestCase):
             found = forecast("thick", planned, self.settings)  # not all are refused: some are done
             assert found is not None
             self.assertEqual((check.call_count, found.runs, found.minutes), (1, 1, 0.0))
+            self.assertRegex(found.lines(self.settings)[0], r"^1 scene checked in \S+ s$")  # no time is known
             self.assertIsNone(forecast("thick", planned[:-1], self.settings))
             self.assertEqual(check.call_count, 1)
 

@@ -100,11 +100,14 @@ struct FreeRun {
   RunOptions options;
 
   FreeRun() { options.quiet = true; }
-  /// Returns how the run ends. Throws Error.
-  Exit execute(bool interrupted = false) {
+  scene::LoadedScene loaded() const {
     const std::string file = folder->path + "/given.textproto";
     std::ofstream(file) << text;
-    const scene::LoadedScene scene = scene::load(file, {});
+    return scene::load(file, {});
+  }
+  /// Returns how the run ends. Throws Error.
+  Exit execute(bool interrupted = false) {
+    const scene::LoadedScene scene = loaded();
     options.out = folder->path, options.scene_text = text;
     if (options.scene_hash.empty()) options.scene_hash = scene.hash;
     options.connect = [this](const RunOptions&) { return std::make_unique<FreeLink>(asked); };

@@ -7,7 +7,6 @@ Every run is a member of a campaign, so that a trade that was killed goes on: wh
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Sequence
@@ -18,6 +17,7 @@ from sunder_tools.errors import CommandError
 from sunder_tools.launch.run import read_usage
 
 from ..campaign import Campaign, Planned, Settings
+from ..forecast import minutes_of
 from ..member import RUN_FOLDER, Member, is_done, outcome
 from ..scene import Results, Scene
 from .judge import Judged, alike, combinations, fronts, gaps, own_errors
@@ -97,8 +97,7 @@ class Trade:
             raise CommandError(f"--seeds {self.seeds}: must be at least 1")
         if not self.scene.message.shells:
             raise CommandError("the scene has no shell: there is nothing to trade")
-        found = re.search(r"^time +at most ([0-9.e+-]+) min", prepared(self.scene).check(), re.M)
-        guess = 60.0 * float(found[1]) if found else 0.0
+        guess = 60.0 * minutes_of(prepared(self.scene).check())
         if guess > 60.0 * self.budget_min:
             raise CommandError(f"--budget {self.budget_min:g}: one run of the scene as it is may take {guess / 60:.2g} minutes by "
                                "'sunder check'; give more, or shorten the scene with --until")

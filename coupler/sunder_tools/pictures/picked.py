@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import re
+from math import floor, log10
 from typing import Sequence
 
 import numpy as np
@@ -13,7 +14,8 @@ UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "\u00b5s": 1e-6, "\u03bcs": 1e-6}  # 
 _END = r"last|[0-9]+|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?\s*(?:" + "|".join(UNITS) + ")"
 _WORD = re.compile(f"({_END})(?:-({_END}))?", re.ASCII)
 _TIME = re.compile(r"(.*?)\s*([^0-9.\s]+)")
-NEAR = 1e-6  # of the length of the run: times are equal that differ by less
+NEAR = 1e-6   # of the length of the run: times are equal that differ by less
+DIGITS = 3    # of times in captions: a time may be off by half of the last one
 
 
 def pick(spec: str, frames: Sequence[Frame]) -> list[int]:
@@ -21,6 +23,8 @@ def pick(spec: str, frames: Sequence[Frame]) -> list[int]:
 
     A time is that of the nearest frame; from one time to another are the frames between, with both ends.
     """
+    if not frames:
+        raise CommandError(f"--frames {spec}: the run has no frame")
     count, found = len(frames), set[int]()
     times = np.array([frame.time_s for frame in frames])
     for word in (part.strip() for part in spec.split(",")):
@@ -49,13 +53,19 @@ def _at_times(spec: str, word: str, ends: list[str], times: np.ndarray, steps: b
         if parts is None and end != "last":
             raise CommandError(f"--frames {spec}: '{word}' mixes a number and a time; give two times, as 10ms-20ms, or two numbers")
         told.append(float(times[-1]) if parts is None else float(parts[1]) * UNITS[parts[2]])
-    slack = NEAR * float(times[-1] - times[0])
-    if told[0] > told[-1] or told[-1] > times[-1] + slack or told[0] < times[0] - slack:
+    near = NEAR * float(times[-1] - times[0])
+    slack = [max(near, _half_a_digit(time)) for time in told]
+    if told[0] > told[-1] or told[-1] > times[-1] + slack[-1] or told[0] < times[0] - slack[0]:
         raise CommandError(f"--frames {spec}: '{word}' is not within the run's frames, {times[0]:g} to {times[-1]:g} s")
     if len(told) == 1:
         return [int(np.argmin(np.abs(times - told[0])))]
-    between = np.flatnonzero((times >= told[0] - slack) & (times <= told[1] + slack))
+    between = np.flatnonzero((times >= told[0] - slack[0]) & (times <= told[1] + slack[1]))
     if not len(between):
-        near = int(np.searchsorted(times, told[0]))
-        raise CommandError(f"--frames {spec}: no frame is within {word}; the nearest are {times[near - 1]:g} and {times[near]:g} s")
+        after = int(np.searchsorted(times, told[0]))
+        raise CommandError(f"--frames {spec}: no frame is within {word}; the nearest are {times[after - 1]:g} and {times[after]:g} s")
     return [int(k) for k in between]
+
+
+def _half_a_digit(time: float) -> float:
+    """What a caption may be off by."""
+    return 0.5 * 10.0 ** (floor(log10(time)) + 1 - DIGITS) if time > 0.0 else 0.0

@@ -63,6 +63,7 @@ TEST(Setting, IsRefusedWithTheNearestRightName) {
   expect("shells.pane.thickness_m=1", "'shells' is a list; write shells[pane], by name or number from 0; it has ");
   expect("shells.thickness_m=1", "'shells' is a list; write shells[pane]");
   expect("bodies.0.material=x", "'bodies' is a list; write bodies[0]");
+  expect("bodies.7.material=x", "'bodies' is a list; write bodies[ball], by name or number from 0; it has 1");
   expect("shells[pane].cuts.time_s=1", "'cuts' is a list; write cuts[0], by name or number from 0; it has 0");
   expect("bodies[bal].twist.linear.z=1", "bodies[bal] is not there; did you mean 'ball'?");
   expect("shell[pane].layers=4", "'shell' is no field of Scene; did you mean 'shells'?");

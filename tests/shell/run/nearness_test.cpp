@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shell/run/nearness.h"
 #include "tests/shell/free_run.h"
 
 using namespace sunder;
@@ -63,6 +64,13 @@ TEST(Nearness, AShellThatFrozeUntouchedIsTold) {
       told.find("no moving body has touched a shell in 0.0005 s, when the shells were frozen: 'ball' was nearest"), 0u)
       << told;
   EXPECT_NE(told.find("let the shells be frozen later (fracture { latest_freeze_s })"), std::string::npos) << told;
+  // Frozen since a cut plate is quiet: another field decides when.
+  FreeRun run;
+  const RunSetup setup = build(run.loaded());
+  Nearness near;
+  near.body = near.shell = 0, near.gap = 1.0, near.time = 1e-4;
+  EXPECT_NE(apart_warning(setup, near, 5e-4, "cracks grew by 0 of their length within 1e-4 s").find("{ quiet_time_s }"),
+            std::string::npos);
   EXPECT_EQ(said("  pose { position { x: 0.02 z: 0.024 } }\n  twist { linear { z: -4 } }\n", 0.0,
                  "fracture { latest_freeze_s: 8e-4 }\n"),
             "");
