@@ -303,6 +303,27 @@ TEST_F(Cad, FacesOfAHigherDegreeAreApproximated) {
   EXPECT_LE(most, 5e-6);  // between places that are 5e-6 m apart
 }
 
+TEST_F(Cad, AFaceOfAHigherDegreeIsDividedAtItsCrease) {
+  write_step(whole(sheet(4, {0, 10, 20, 30, 40, 50, 60, 70, 80}, {0, 0, 0, 0, 30, 0, 0, 0, 0}, {0, 0.5, 1}, {5, 4, 5})),
+             file("crease.stp"));
+  const RunSetup folded = setup("path: 'crease.stp' elements_u: 8 elements_v: 8");
+  ASSERT_EQ(folded.shells.size(), 2u);
+  ASSERT_EQ(folded.stitches.seams.size(), 1u);
+  EXPECT_NEAR(folded.stitches.seams[0].angle, 2.0 * std::atan(3.0), 1e-6);
+}
+
+// Folds that are finer than the pieces of an approximation.
+TEST_F(Cad, AFaceOfAHigherDegreeThatNoSplineFollowsIsRefused) {
+  std::vector<double> x, z, knots;
+  std::vector<int> multiplicities;
+  for (int i = 0; i < 304; ++i) x.push_back(i), z.push_back(i % 2 ? 10.0 : -10.0);
+  for (int k = 0; k <= 300; ++k) knots.push_back(k), multiplicities.push_back(k % 300 ? 1 : 5);
+  write_step(whole(sheet(4, x, z, knots, multiplicities)), file("pleats.stp"));
+  const std::string said = refusal("path: 'pleats.stp' elements_u: 8 elements_v: 8");
+  EXPECT_SAYS(said, "has degree 4 along u and 1 along v; no spline of degree 3 is within");
+  EXPECT_SAYS(said, "m of it: rebuild the surface in the CAD program");
+}
+
 TEST_F(Cad, AFaceIsChosenWhereThereAreSeveral) {
   write_step(BRepPrimAPI_MakeBox(10, 20, 30).Shape(), file("a.stp"));
   EXPECT_SAYS(refusal("path: 'a.stp' face: 6"), "cad.face: is 6, but 'a.stp' has 6 faces, counted from 0");
