@@ -98,7 +98,8 @@ TEST(FailedRun, ThatFindsABadNumberEarlyInALongWindowKeepsAFrameOfItsStart) {
     EXPECT_EQ(e.kind, "unstable") << e.what();
     EXPECT_EQ(e.window, kBadWindow);
     double u = 0.0, v = 0.0, time = 0.0;
-    ASSERT_EQ(std::sscanf(e.what(), "shell 'pane' is unstable: at (u, v) = (%lf, %lf) and %lf s", &u, &v, &time), 3)
+    ASSERT_EQ(
+        std::sscanf(e.what(), "window 3: shell 'pane' is unstable: at (u, v) = (%lf, %lf) and %lf s", &u, &v, &time), 3)
         << e.what();
     // eight substeps of a hundred until the numbers are looked at, after a few in which they overflow
     EXPECT_GT(time, kBadWindow * kLongWindow);
