@@ -66,8 +66,8 @@ constexpr double kCreditedLength = 0.5;
 
 // ---- Tips: speed, edges, division
 
-/// [h]: length of a new edge, of tips and of damage. In mode TIPS, how far a crack runs in one go, unless that would add
-/// energy (kEdgesTried). In mode DAMAGE one look cuts a whole line of complete damage, or on by kDamagedReach.
+/// [h]: length of a new edge, of tips and of damage. In mode TIPS, how far a crack runs in one go, unless that would
+/// add energy (kEdgesTried). In mode DAMAGE one look cuts a whole line of complete damage, or on by kDamagedReach.
 /// numerical: below one spacing, so that a crack follows the field of each element
 constexpr double kEdgeLength = 0.75;
 /// [edges]: way of a tip at full speed between two looks at the cracks.
