@@ -349,8 +349,7 @@ void check_start(const scene::LoadedScene& scene, const proto::Body& message, co
               b.name, extent, s.name, s.spacing);
   const StartDepth found = start_depth(s, proxy);
   if (!starts_outside(found))
-    scene.check(false, field + (message.motion_size() > 0 ? ".motion" : ".pose"), "{}",
-                starts_inside(found, s, proxy));
+    scene.check(false, field + (message.motion_size() > 0 ? ".motion" : ".pose"), "{}", starts_inside(found, s, proxy));
 }
 
 void add_bodies(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, Groups& groups, RunSetup& r) {

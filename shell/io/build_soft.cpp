@@ -105,8 +105,7 @@ void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32
     }
     for (const ShellSetup& shell : r.shells) {
       const StartDepth found = start_depth(shell.model, solid);
-      if (!starts_outside(found))
-        scene.check(false, field + ".pose", "{}", starts_inside(found, shell.model, solid));
+      if (!starts_outside(found)) scene.check(false, field + ".pose", "{}", starts_inside(found, shell.model, solid));
     }
     for (std::size_t k = 0; k < r.soft.size(); ++k) {
       const double apart = std::min(clearance(soft.model, solids[k]), clearance(r.soft[k].model, solid));
