@@ -14,8 +14,9 @@ namespace {
 // Id of the body that an error of the engine is about; 0: of none.
 BodyId body_id(const Error& e) {
   BodyId id = 0;
-  std::from_chars(e.body.data(), e.body.data() + e.body.size(), id);  // a name leaves 0
-  return id;
+  const char* const end = e.body.data() + e.body.size();
+  const auto [stop, wrong] = std::from_chars(e.body.data(), end, id);
+  return wrong == std::errc() && stop == end ? id : 0;  // a name is no id, nor is 7up
 }
 
 }  // namespace

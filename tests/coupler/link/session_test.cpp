@@ -216,6 +216,28 @@ TEST(Session, RefusesAnotherMassThanTheOneThatWasLoaded) {
   server.thread.join();
 }
 
+TEST(Session, AnErrorOfTheEngineNamesABodyByItsWholeId) {
+  for (const auto& [given, told] :
+       {std::pair("7", "7"), std::pair("7up", ""), std::pair("ball", ""), std::pair("", "")}) {
+    AlteredEngine failing([given = given](std::vector<State>&) {
+      Error e(Exit::kPhysics, "engine_failed", "no more");
+      e.body = given;
+      throw e;
+    });
+    Served server(&failing);
+    RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint), "scene");
+    client.load({{falling_ball()}, {}, {}});
+    try {
+      client.window({0, 2, 1e-3, {{1, falling_ball().motion}}, {}, {}});
+      ADD_FAILURE() << "taken";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.body, told) << given;
+      EXPECT_NE(std::string(e.what()).find("no more"), std::string::npos) << e.what();
+    }
+    server.thread.join();
+  }
+}
+
 TEST(EngineHost, RefusesStatesThatAreNotFinite) {
   struct Broken final : Engine {
     rigid::FreeFlight whole;
