@@ -53,8 +53,7 @@ std::string apart_warning(const RunSetup& setup, const Nearness& near, double ti
   if (near.touched || near.body < 0) return "";
   return fmt::format(
       "no moving body has touched a shell in {:.4g} s{}: '{}' was nearest, {:.2g} m from shell '{}' at {:.4g} s, as "
-      "far "
-      "as looks from time to time tell; look at its place and velocity, or {}",
+      "far as looks from time to time tell; look at its place and velocity, or {}",
       time, frozen.empty() ? "" : ", when the shells were frozen", setup.bodies[near.body].name, near.gap,
       setup.shells[near.shell].model.name, near.time,
       frozen.empty() ? "give a later end_time_s"
