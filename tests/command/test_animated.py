@@ -1,6 +1,7 @@
 """One animated file of a run: every frame is in it, names follow pieces through hand-off, nothing pops."""
 from __future__ import annotations
 
+import json
 import unittest
 from dataclasses import replace
 
@@ -197,6 +198,11 @@ class Parting(InAFolder):
         (self.folder / "frames.pvd").write_text(f"<VTKFile><Collection>{''.join(entries)}</Collection></VTKFile>")
         self.frames = list_frames(self.folder)
         self.film = Animated(animated_glb(story_of(self.frames, self.words, {}), np.arange(6.0), {}))
+
+    def write_scene(self) -> None:
+        """Writes SCENE as the scene of the run."""
+        (self.folder / "scene.textproto").write_text(SCENE)
+        (self.folder / "command.json").write_text(json.dumps({"scene": str(self.folder / "scene.textproto"), "settings": []}))
 
     def placed(self, points: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Points of the rest shape, and their velocities: about the right square's centre, which flies straight on."""

@@ -97,8 +97,7 @@ open({out!r}, "w").write(json.dumps(told))
 class Blender(Parting):
     def setUp(self) -> None:
         super().setUp()
-        (self.folder / "scene.textproto").write_text(SCENE)
-        (self.folder / "command.json").write_text(json.dumps({"scene": str(self.folder / "scene.textproto"), "settings": []}))
+        self.write_scene()
         write_vtp(self.folder / "frames/cracks.vtp", [[1, 0, 0], [1, 1, 0]], segments=[[0, 1]], floats="f8", cell_data={
             "crack": np.zeros(1), "time": np.array([1.5 * self.STEP]), "shell": np.zeros(1)})
         listed = (self.folder / "frames.pvd").read_text()

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 from . import REPOSITORY
-from .test_animated import SCENE, Parting
+from .test_animated import Parting
 from .test_pace import write_series
 
 ADDON = REPOSITORY / "coupler" / "blender"
@@ -44,8 +44,7 @@ assert "pane_piece_1" in names, names
 class Page(Parting):
     def setUp(self) -> None:
         super().setUp()
-        (self.folder / "scene.textproto").write_text(SCENE)
-        (self.folder / "command.json").write_text(json.dumps({"scene": str(self.folder / "scene.textproto"), "settings": []}))
+        self.write_scene()
 
     def blender(self, text: str, place: Path = REPOSITORY) -> str:
         script = self.folder / "script.py"
