@@ -8,6 +8,7 @@
 #include "shell/contact/proxy.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/starts_inside.h"
+#include "shell/io/way_out.h"
 
 namespace sunder::shell {
 namespace {
@@ -56,6 +57,33 @@ Vec3 inner_point(const RigidBody& b) {
   return s && s->surface ? Vec3(b.motion.position + b.motion.orientation * s->surface->corners[0]) : b.motion.position;
 }
 
+// Returns how deep [m] the body is in the soft one, whose rigid copy is `solid`; negative outside.
+double depth_in(const SoftModel& m, const Proxy& solid, const Proxy& body) {
+  double apart = clearance(m, body);
+  if (std::isfinite(body.radius())) apart = std::min(apart, solid.distance(inner_point(body.body)).value);
+  return -apart;
+}
+
+Proxy moved_by(const Proxy& solid, const Vec3& move) {
+  Proxy out = solid;
+  out.body.motion.position += move;
+  return out;
+}
+
+// The way [m] that takes a soft body at `from` out of `other`: where it is deepest, or away from its centre.
+Vec3 soft_way_out(const SoftModel& m, const Vec3& from, const Proxy& other, double least, const DepthAfter& depth) {
+  std::vector<Vec3> directions;
+  double deepest = 1e300;
+  Vec3 out = Vec3::Zero();
+  for (const SoftSurface& f : m.surface)
+    if (const Proxy::Distance d = other.distance(m.rest[f.particle] + f.depth * f.normal); d.value < deepest)
+      deepest = d.value, out = d.normal;
+  directions.push_back(out);
+  const Vec3 apart = from - other.body.motion.position;
+  if (std::isfinite(other.radius()) && apart.norm() > 0.0) directions.push_back(apart.normalized());
+  return shortest_way(directions, least, depth);
+}
+
 }  // namespace
 
 void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32_t(const std::string&)>& group,
@@ -91,26 +119,35 @@ void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32
                 "puts '{}' {:.3g} m off; at most {:.0g} grid spacings, {:.3g} m", m.name(), body.motion.position.norm(),
                 kFurthest, kFurthest * grid);
     const Proxy& solid = solids.emplace_back(body);
-    const double allowed = -kTouching * soft.model.spacing;
+    const double allowed = kTouching * soft.model.spacing;
     for (const RigidBody& b : r.bodies) {
       const Proxy other(b);
       scene.check(
           other.half_width() >= soft.model.spacing, field + ".spacing_m",
           "is {} m, and body '{}' {:.3g} m in half: it could pass between the particles; take a smaller spacing",
           m.spacing_m(), b.name, other.half_width());
-      double apart = clearance(soft.model, other);
-      if (std::isfinite(other.radius())) apart = std::min(apart, solid.distance(inner_point(b)).value);
-      scene.check(apart >= allowed, field + ".pose", "'{}' starts {:.3g} m inside body '{}'; move it away", m.name(),
-                  -apart, b.name);
+      const double depth = depth_in(soft.model, solid, other);
+      if (depth <= allowed) continue;
+      const Vec3 way = soft_way_out(soft.model, body.motion.position, other, allowed, [&](const Vec3& move) {
+        return depth_in(soft.model, solid, moved_by(other, -move));
+      });
+      scene.check(false, field + ".pose", "'{}' starts {:.3g} m inside body '{}'; {}", m.name(), depth, b.name,
+                  move_along("it", way));
     }
     for (const ShellSetup& shell : r.shells) {
       const StartDepth found = start_depth(shell.model, solid);
       if (!starts_outside(found)) scene.check(false, field + ".pose", "{}", starts_inside(found, shell.model, solid));
     }
     for (std::size_t k = 0; k < r.soft.size(); ++k) {
-      const double apart = std::min(clearance(soft.model, solids[k]), clearance(r.soft[k].model, solid));
-      scene.check(apart >= allowed, field + ".pose", "'{}' starts {:.3g} m inside soft body '{}'; move it away",
-                  m.name(), -apart, r.soft[k].model.name);
+      const SoftModel& other = r.soft[k].model;
+      const auto depth_after = [&](const Vec3& move) {
+        return -std::min(clearance(soft.model, moved_by(solids[k], -move)), clearance(other, moved_by(solid, move)));
+      };
+      const double depth = depth_after(Vec3::Zero());
+      if (depth <= allowed) continue;
+      const Vec3 way = soft_way_out(soft.model, body.motion.position, solids[k], allowed, depth_after);
+      scene.check(false, field + ".pose", "'{}' starts {:.3g} m inside soft body '{}'; {}", m.name(), depth, other.name,
+                  move_along("it", way));
     }
     for (const auto& p : scene.message.output().probes())
       if (p.body() == m.name()) r.probes.push_back({p.name(), -1, Vec2::Zero(), i, true});

@@ -55,3 +55,43 @@ TEST(StartsInside, AShellIsMovedOffTheFloor) {
   EXPECT_EQ(refusal(standing(0.245 + way.z)).kind, "accepted") << said;
   EXPECT_NE(refusal(standing(0.245 + 0.95 * way.z)).kind, "accepted");
 }
+
+namespace {
+
+const std::string kRubber = "materials { name: \"rubber\" density: 1000 youngs_modulus: 1e6 poisson_ratio: 0.45 }\n";
+
+std::string soft_ball(const std::string& name, double x, double y, double z) {
+  return fmt::format(
+      "soft_bodies {{ name: \"{}\" material: \"rubber\" sphere {{ radius_m: 0.05 }} spacing_m: 0.01 "
+      "pose {{ position {{ x: {:.9g} y: {:.9g} z: {:.9g} }} }} }}\n",
+      name, x, y, z);
+}
+
+// The scene with `others` and a soft ball at (x, y, z) is refused there, and accepted where the message sends it.
+void expect_a_way_out(const std::string& others, const std::string& inside, double x, double y, double z) {
+  const auto placed = [&](const Way& w, double share) {
+    return refusal(kScene + kRubber + others + soft_ball("soft", x + share * w.x, y + share * w.y, z + share * w.z));
+  };
+  const std::string said = placed({}, 0.0).what();
+  EXPECT_NE(said.find("m inside " + inside + ";"), std::string::npos) << said;
+  const Way way = told_way(said, "it");
+  ASSERT_GT(way.length, 0.0) << said;
+  EXPECT_EQ(placed(way, 1.0).kind, "accepted") << said;
+  EXPECT_NE(placed(way, 0.95).kind, "accepted") << said;
+}
+
+}  // namespace
+
+// The ball of 20 mm is at z = 0.1 m, so it is deep in the first of these and holds no particle of the third's surface.
+TEST(StartsInside, ASoftBodyIsMovedOutOfABody) {
+  expect_a_way_out("", "body 'ball'", 0.06, 0.0, 0.1);
+  expect_a_way_out("", "body 'ball'", 0.03, 0.02, 0.12);
+  expect_a_way_out("", "body 'ball'", 0.0, 0.001, 0.1);
+  const std::string floor = "bodies { name: \"floor\" half_space {} pose { position { z: -1 } } }\n";
+  expect_a_way_out(floor, "body 'floor'", 0.4, 0.0, -0.96);
+}
+
+TEST(StartsInside, ASoftBodyIsMovedOutOfAnother) {
+  expect_a_way_out(soft_ball("other", 0.3, 0.0, 0.1), "soft body 'other'", 0.38, 0.0, 0.1);
+  expect_a_way_out(soft_ball("other", 0.3, 0.0, 0.1), "soft body 'other'", 0.31, 0.02, 0.12);
+}
