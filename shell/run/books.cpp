@@ -100,6 +100,24 @@ namespace {
   throw e;
 }
 
+// "shell 'pane' is unstable, fastest at (u, v) = (0.1, 0.2) with 3e+05 m/s"
+std::string unstable_shell(const Simulation& simulation) {
+  const ShellModel* shell = nullptr;
+  int point = 0;
+  double fastest = 0.0;
+  for (const ShellPart& part : simulation.state.shells) {
+    if (!part.state) continue;
+    const ShellModel& m = part.model();
+    for (int i = 0; i < m.control_points(); ++i)
+      if (const double speed = part.state->velocity(m.tables.slot(i)).norm(); speed > fastest)
+        fastest = speed, shell = &m, point = i;
+  }
+  if (!shell) return "what deforms is unstable";
+  const Vec2& at = shell->parameter[point];
+  return fmt::format("shell '{}' is unstable, fastest at (u, v) = ({:.4g}, {:.4g}) with {:.3g} m/s", shell->name,
+                     at.x(), at.y(), fastest);
+}
+
 }  // namespace
 
 void Books::check_stable(Simulation& simulation, double energy, std::int64_t window) const {
@@ -112,16 +130,23 @@ void Books::check_stable(Simulation& simulation, double energy, std::int64_t win
   if (std::abs(gain) <= most) return;
   if (const double by_engine = -simulation.state.engine_loss; gain > 0.0 && by_engine > 0.5 * gain)
     added_by_engine(simulation, by_engine, window);
-  unstable(gain, window);
-}
-
-void unstable(double energy, std::int64_t window) {
   Error e(Exit::kPhysics, "unstable",
-          fmt::format("the energy has changed by {:.3g} J: the shell is unstable; lower time_step_safety, or "
-                      "refine",
-                      energy));
+          fmt::format("the energy has changed by {:.3g} J: {}; lower time_step_safety, or refine", gain,
+                      unstable_shell(simulation)));
   e.window = window;
   throw e;
+}
+
+void check_finite(const std::vector<Proxy>& bodies, std::int64_t window) {
+  for (const Proxy& p : bodies) {
+    if (p.body.motion.position.allFinite() && p.body.motion.velocity.allFinite()) continue;
+    Error e(Exit::kPhysics, "unstable",
+            fmt::format("the motion of '{}' is not finite: what it touches is unstable; lower time_step_safety, or "
+                        "refine",
+                        p.body.name));
+    e.window = window, e.body = p.body.name;
+    throw e;
+  }
 }
 
 std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual, double rubble) {

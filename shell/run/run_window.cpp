@@ -106,9 +106,7 @@ void Run::take_substeps(const WindowSteps& steps) {
   else
     simulation_.take_substeps(steps.n, steps.dt, steps.last, clock_, look);
   recorder_.traced("substeps", begin);
-  for (const Proxy& p : simulation_.state.bodies)
-    if (!p.body.motion.position.allFinite() || !p.body.motion.velocity.allFinite())
-      unstable(std::nan(""), clock_.windows);
+  check_finite(simulation_.state.bodies, clock_.windows);
 }
 
 void Run::note_push(double time) {

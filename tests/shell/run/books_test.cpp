@@ -104,6 +104,7 @@ TEST(Books, StopARunWhoseEnergyHasGoneBeyondWhatTheSceneHas) {
   Books books;
   books.open(rig.simulation(), 1.0);
   books.check_stable(rig.simulation(), 3.0, 5);
+  rig.now().shells[0].state->add_velocity(rig.setup().shells[0].model.tables.slot(0), Vec3(0, 0, 7));
   // an element at a strain of 1e-3 stores less than 0.4 J
   for (const double energy : {1e4, -1e4, std::numeric_limits<double>::quiet_NaN()}) {
     try {
@@ -112,6 +113,25 @@ TEST(Books, StopARunWhoseEnergyHasGoneBeyondWhatTheSceneHas) {
     } catch (const Error& e) {
       EXPECT_EQ(e.kind, "unstable");
       EXPECT_EQ(e.window, 5);
+      const std::string said = e.what();
+      EXPECT_NE(said.find("shell 'p' is unstable, fastest at (u, v) = (0, 0) with 7 m/s; lower"), std::string::npos)
+          << said;
     }
+  }
+}
+
+TEST(Books, StopARunWithABodyThatIsNowhere) {
+  RigidBody ball;
+  ball.name = "ball", ball.shape = SphereShape{0.1};
+  std::vector<Proxy> bodies{Proxy(ball)};
+  check_finite(bodies, 5);
+  bodies[0].body.motion.velocity.y() = std::numeric_limits<double>::infinity();
+  try {
+    check_finite(bodies, 5);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "unstable");
+    EXPECT_EQ(e.body, "ball");
+    EXPECT_EQ(e.window, 5);
   }
 }
