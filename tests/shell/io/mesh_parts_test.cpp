@@ -2,7 +2,9 @@
 #include "shell/io/mesh_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "shell/io/check.h"
 #include "shell/solver/parting/pieces.h"
@@ -224,6 +226,35 @@ TEST_F(MeshParts, TooManyTrianglesAreRefusedWithARemedy) {
       refusal("path: 'many.obj' element_m: 0.2"),
       "'many.obj' has more than 300000 triangles; reduce it, for example by the modifier Decimate of Blender or by "
       "Quadric Edge Collapse Decimation of MeshLab: shells lose what is finer than element_m");
+}
+
+// A sheet of 708 x 708 points, as scans have: a million faces.
+TEST_F(MeshParts, AMillionFacesAreRefusedInEveryFormat) {
+  constexpr int kSide = 708, kFaces = 2 * (kSide - 1) * (kSide - 1);
+  std::string points, faces, stl(80, ' ');
+  const auto number = [&stl](auto value) { stl.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  number(static_cast<std::uint32_t>(kFaces));
+  for (int k = 0; k < kSide * kSide; ++k) points += fmt::format("{} {} 0\n", k % kSide, k / kSide);
+  for (int j = 0; j + 1 < kSide; ++j)
+    for (int i = 0; i + 1 < kSide; ++i)
+      for (const int up : {0, 1}) {
+        const std::array<int, 3> x = {i, i + 1, i + 1 - up}, y = {j, j + up, j + 1};
+        faces += "3";
+        for (int k = 0; k < 3; ++k) faces += fmt::format(" {}", y[k] * kSide + x[k]);
+        faces += "\n";
+        for (int k = -1; k < 3; ++k)
+          for (const float v : {k < 0 ? 0.0f : float(x[k]), k < 0 ? 0.0f : float(y[k]), k < 0 ? 1.0f : 0.0f}) number(v);
+        number(std::uint16_t{0});
+      }
+  write("a.off", fmt::format("OFF\n{} {} 0\n{}{}", kSide * kSide, kFaces, points, faces));
+  write("a.ply", fmt::format("ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+                             "property float z\nelement face {}\nproperty list uchar int vertex_indices\n"
+                             "end_header\n{}{}",
+                             kSide * kSide, kFaces, points, faces));
+  write("a.stl", stl);
+  for (const char* end : {"off", "ply", "stl"})
+    expect_part(refusal(fmt::format("path: 'a.{}' element_m: 0.2", end)),
+                fmt::format("'a.{}' has more than 300000 triangles; reduce it", end));
 }
 
 // One face of six corners: a chart that is trimmed along its border.
