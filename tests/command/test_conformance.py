@@ -194,11 +194,18 @@ class Testing(unittest.TestCase):
         with mock.patch.object(command, "ensure_node"), mock.patch.object(command, "ensure_installed"), \
                 mock.patch.object(command, "_ensure_viewer"), mock.patch.object(command, "ensure_built") as built, \
                 mock.patch.object(command.subprocess, "run") as run, mock.patch.dict(os.environ), \
-                mock.patch.object(command.first_use, "failed"), mock.patch.object(command.first_use, "tested") as tested:
+                mock.patch.object(command.first_use, "failed") as failed, \
+                mock.patch.object(command.first_use, "tested") as tested:
             os.environ.pop(BUILD_DIR_VARIABLE, None)
+            os.environ[command.WITHIN_VARIABLE] = "1"  # as a test does that runs 'sunder test -R ...'
+            run.return_value.returncode = 1
+            self.assertEqual(sunder(["test", "-R", "vtp"]), 1)
+            os.environ.pop(command.WITHIN_VARIABLE)
+            self.assertEqual((failed.call_count, tested.call_count), (0, 0))
             for status, arguments, times in ((0, ["-R", "vtp"], 0), (1, [], 0), (0, [], 1)):
                 run.return_value.returncode = status
                 self.assertEqual(sunder(["test", *arguments]), status)
+                self.assertEqual(run.call_args.kwargs["env"][command.WITHIN_VARIABLE], "1")
                 self.assertEqual(tested.call_count, times, "of all tests, where they pass")
             built.assert_called_with(all_targets=True, cad=True)
 

@@ -18,6 +18,7 @@ from sunder_tools.places import BUILD_DIR_VARIABLE, REPOSITORY
 
 NAME = "test"
 LOG = REPOSITORY / "build" / "install.log"
+WITHIN_VARIABLE = "SUNDER_WITHIN_TESTS"  # set for tests: what they run of a checkout says nothing of its first use
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -42,9 +43,10 @@ def run(arguments: argparse.Namespace) -> int:
     command = ["ctest", "--test-dir", str(build_dir()), "--output-on-failure", f"-j{at_once}", *arguments.ctest]
     environment = {key: value for key, value in os.environ.items() if key != BUILD_DIR_VARIABLE}
     environment["PATH"] = "/usr/bin:/bin:" + environment.get("PATH", "")
+    environment[WITHIN_VARIABLE] = "1"
     environment["OMP_WAIT_POLICY"] = "passive"  # tests run at once: threads that wait must leave the cores to the other
     status = subprocess.run(command, check=False, env=environment).returncode
-    if may_install:  # a part of the tests builds all
+    if may_install and not os.environ.get(WITHIN_VARIABLE):  # a part of the tests builds all
         whole = status == 0 and not arguments.ctest
         (first_use.tested if whole else first_use.failed)(build_dir().parent)
     return DONE if status == 0 else CHECK_FAILED
