@@ -32,8 +32,8 @@ class Engine(DoubleEngine, MuJoCoCase):
         flight = self.flight([ball(1, 0.05, 1.0, (0.3, 0.1, 0.06)), floor(2)])
         flight.run(300)
         self.assertAlmostEqual(flight.at(1)[2], 0.05 - SLACK_M, delta=1e-6)
-        self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-6)
-        self.assertLess(np.linalg.norm(flight.at(1)[:2] - (0.3, 0.1)), 1e-6)
+        self.assertLess(float(np.linalg.norm(flight.at(1, "velocity"))), 1e-6)
+        self.assertLess(float(np.linalg.norm(flight.at(1)[:2] - (0.3, 0.1))), 1e-6)
 
     def test_sliding_bodies_are_not_lifted(self) -> None:
         # MuJoCo's own cones lift what slides by friction times slip, here 0.5 m/s
@@ -42,7 +42,7 @@ class Engine(DoubleEngine, MuJoCoCase):
         flight.run(20)
         self.assertLess(flight.at(1)[2], 0.002 + 1e-4)
         flight.run(300)
-        self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-6)
+        self.assertLess(float(np.linalg.norm(flight.at(1, "velocity"))), 1e-6)
         # the impact takes mu v, and the rest is v^2 / (2 mu g); up to one window's way for where the last one ends
         self.assertAlmostEqual(flight.at(1)[0], 0.5**2 / (2 * 0.5 * 9.81), delta=2e-3)
 
@@ -52,7 +52,7 @@ class Engine(DoubleEngine, MuJoCoCase):
             flight = self.flight([shard, floor(2)])
             flight.run(500)
             self.assertAlmostEqual(flight.at(1)[2], 0.0015, delta=2 * SLACK_M, msg=f"{parts} parts")
-            self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-3)
+            self.assertLess(float(np.linalg.norm(flight.at(1, "velocity"))), 1e-3)
             up = rotate(quaternion(flight.states[1]["orientation"]), np.array([0, 0, 1]))
             self.assertGreater(abs(up[2]), 1 - 1e-4)
 
@@ -82,8 +82,8 @@ class Engine(DoubleEngine, MuJoCoCase):
         self.assertEqual(sorted(flight.states), [1, 10, 11, 12, 13])
         flight.run(100)
         for i in range(4):
-            self.assertLess(np.linalg.norm(flight.at(i + 10, "velocity")), 1e-6)
-            self.assertLess(np.linalg.norm(flight.at(i + 10) - (0.02 * i, 0, 1)), 0.5e-3)
+            self.assertLess(float(np.linalg.norm(flight.at(i + 10, "velocity"))), 1e-6)
+            self.assertLess(float(np.linalg.norm(flight.at(i + 10) - (0.02 * i, 0, 1))), 0.5e-3)
 
     def test_solved_bodies_touch_nothing(self) -> None:
         flight = self.flight([ball(1, 0.05, 1.0, (0, 0, 0.06)), ball(3, 0.05, 1.0, (1, 0, 0.06)), floor(2)])
@@ -101,7 +101,7 @@ class Engine(DoubleEngine, MuJoCoCase):
         flight.run(100)
         for i in range(3):
             self.assertAlmostEqual(flight.at(i + 1)[2], 0.0015 + 0.003 * i, delta=1.5e-5 * (i + 1))
-            self.assertLess(np.linalg.norm(flight.at(i + 1, "velocity")), 1e-5)
+            self.assertLess(float(np.linalg.norm(flight.at(i + 1, "velocity"))), 1e-5)
 
     def test_a_fast_hull_meets_a_wall_with_all_its_corners(self) -> None:
         cube = slab(1, (0.1, 0.1, 0.1), (-2, 0.013, -0.021), parts=1, velocity=(200, 0, 0), orientation=(1, 0.15, 0.25, -0.1))

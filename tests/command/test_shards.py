@@ -76,7 +76,7 @@ class Tracks(InAFolder):
         for one, x in ((7, 0.3), (9, 0.6)):
             self.assertEqual((found[one].time, len(found[one].area)), ([0.5], 1))
             np.testing.assert_allclose(found[one].centre[0], centre_of_mass(points, triangles) + [x, 0, 0], atol=1e-12)
-            self.assertGreater(np.linalg.norm(found[one].centre[0] - centre_of(points, triangles) - [x, 0, 0]), 1e-5)
+            self.assertGreater(float(np.linalg.norm(found[one].centre[0] - centre_of(points, triangles) - [x, 0, 0])), 1e-5)
 
 
 class Lines(unittest.TestCase):

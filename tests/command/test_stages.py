@@ -28,7 +28,7 @@ class Thinning(unittest.TestCase):
         bar[15:24, 10:70] = True
         line = thinned(bar)
         rows, columns = np.nonzero(line)
-        self.assertLessEqual(np.ptp(rows[(columns > 16) & (columns < 63)]), 1)  # its ends may fork
+        self.assertLessEqual(float(np.ptp(rows[(columns > 16) & (columns < 63)])), 1)  # its ends may fork
         self.assertTrue(set(range(16, 63)) <= set(columns))
         self.assertAlmostEqual(float(np.median(rows)), 19.0, delta=1.0)
 

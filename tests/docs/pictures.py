@@ -9,6 +9,7 @@ import tempfile
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
 
@@ -27,7 +28,7 @@ DONE_RUN = "done"
 QUALITY = 88   # of JPEG
 RAYS = "192"   # of a pixel: with fewer, thin glass in front of glass is grainy
 COLOURS = 256  # of PNG
-KINDS = {".png": {"format": "PNG", "optimize": True}, ".jpg": {"format": "JPEG", "quality": QUALITY, "optimize": True}}
+KINDS: dict[str, dict[str, Any]] = {".png": {"format": "PNG", "optimize": True}, ".jpg": {"format": "JPEG", "quality": QUALITY, "optimize": True}}
 
 
 @dataclass(frozen=True)

@@ -96,17 +96,18 @@ def shards(folder: Path) -> dict[int, dict[str, float]]:
 
 
 def ids_of(mesh: PolyData | None, array: str) -> set[int]:
-    return set() if mesh is None else set(mesh.of_triangles(array, 0).astype(int).tolist())
+    return set() if mesh is None else {int(k) for k in mesh.of_triangles(array, 0)}
 
 
 def glb_values(content: bytes, attribute: str) -> list[float]:
     """Numbers of an attribute with three equal ones per vertex, over all meshes."""
     size = struct.unpack_from("<I", content, 12)[0]
-    told, blob, found = json.loads(content[20:20 + size]), content[28 + size:], []
+    told, blob = json.loads(content[20:20 + size]), content[28 + size:]
+    found: list[float] = []
     for mesh in told["meshes"]:
         accessor = told["accessors"][mesh["primitives"][0]["attributes"][attribute]]
         offset = told["bufferViews"][accessor["bufferView"]]["byteOffset"]
-        found += np.frombuffer(blob, "<f4", 3 * accessor["count"], offset).tolist()
+        found += map(float, np.frombuffer(blob, "<f4", 3 * accessor["count"], offset))
     return found
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from .step_ratios import Bar, growth, growths, of_impulses, of_nodes
 
 ROUND_OFF = 1e-6  # the radius of a multiple eigenvalue 1 is that of its Jordan block, the root of round-off
-SHARES = np.linspace(0.5, 0.98, 13)
+SHARES = np.linspace(0.5, 0.98, 13, dtype=np.float64)
 
 
 class AcrossANode(unittest.TestCase):

@@ -112,7 +112,7 @@ def bulge_of(shell: PolyData, of: np.ndarray) -> np.ndarray:
     through its neighbours."""
     points, sides = reference_points(shell), _outer_sides(shell, of)
     ends: dict[int, list[int]] = {}
-    for a, b in sides.tolist():
+    for a, b in ((int(a), int(b)) for a, b in sides):
         ends.setdefault(a, []).append(b)
         ends.setdefault(b, []).append(a)
     bend = np.zeros(len(points))

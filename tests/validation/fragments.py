@@ -111,7 +111,8 @@ def solved(strip: Strip) -> np.ndarray:
     pull = strip.rate * (x - 0.5 * x[-1])
     held = RELEASED * float(strength.min()) / strip.rate
     left, right, slow, fast = held * pull, held * pull, pull.copy(), pull.copy()  # displacements and velocities of both sides
-    open_, most = np.zeros(count + 1, bool), np.zeros(count + 1)
+    open_ = np.zeros(count + 1, bool)
+    most: np.ndarray = np.zeros(count + 1)
     step = STEP * h
     for _ in range(int((0.3 / strip.rate + 12.0 / (strip.rate * published_size(strip.rate)) + 3.0) / step)):
         stress = (left[1:] - right[:-1]) / h
@@ -206,7 +207,7 @@ def sizes_of(folder: Path, width: float) -> np.ndarray:
         corner = reference_points(mesh)[mesh.triangles]
         area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
         _, piece = np.unique(mesh.of_triangles("fragment", 0), return_inverse=True)
-        areas += np.bincount(piece, area).tolist()
+        areas += map(float, np.bincount(piece, area))
     lengths = np.array(areas) / width
     return lengths[lengths > OFF * width]
 

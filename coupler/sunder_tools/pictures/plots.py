@@ -237,10 +237,11 @@ def _draw_line(axes: Any, line: Line, panel: Panel, factors: list[float], style:
     plain = line.joined and not any(k[4] or k[5] for k in kept)
     if line.joined and not plain:
         axes.plot([k[0] for k in kept], [k[1] for k in kept], linewidth=1.8, **{**style, "marker": ""})
-    for hollow, look in ((False, {}), (True, {"markerfacecolor": PAPER})):
+    looks: tuple[tuple[bool, dict[str, str]], ...] = ((False, {}), (True, {"markerfacecolor": PAPER}))
+    for hollow, filled in looks:
         some = [k[:2] for k in kept if k[4] == hollow and not k[5]]
         if some:
-            axes.plot(*zip(*some), linestyle="-" if plain else "", linewidth=1.8, markersize=line.size, **look, **style, label=alone)
+            axes.plot(*zip(*some), linestyle="-" if plain else "", linewidth=1.8, markersize=line.size, **filled, **style, label=alone)
             alone = "_"
     bars = [(a, b, min(low, 0.999999 * b) if log else low, h) for a, b, low, h, _, bound in kept if math.isfinite(h) and not bound]
     if bars:
