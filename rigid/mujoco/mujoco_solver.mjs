@@ -12,6 +12,11 @@ const kImpedance = [0.9999, 0.9999, 0.001, 0.5, 2];
 /** MuJoCo's cones lift sliding bodies by (friction x slip). Solutions are repeated with that taken off. */
 const kMostPasses = 12;
 const kLiftTolerance = 1e-4; // [cm/s]
+/** The least of a function is where M a equals the forces of contacts. A search that ends elsewhere leaves a share of them of
+ * about 1, one that arrives less than this. */
+const kArrived = 1e-2;
+/** A search that does not arrive begins again with MuJoCo's own softness, and comes to the wanted one by this factor. */
+const kHarder = 10;
 
 /** Contacts and bodies at the poses that Model.place() has set. */
 export class Solver {
@@ -47,12 +52,55 @@ export class Solver {
     let impulses;
     for (let pass = 0; pass < kMostPasses; ++pass) {
       this.ask(contacts, lifts, errors, rate);
-      model.run(() => mujoco.mj_fwdConstraint(mj, data));
+      this.search();
       impulses = this.impulses(contacts);
       if (!this.lift(contacts, given, impulses, lifts)) break;
       data.qacc_warmstart.set(data.qacc);
     }
     return impulses;
+  }
+
+  /** MuJoCo's Newton search. Bodies that jam among others may be too stiff for it: then from soft contacts to hard ones,
+   * each search from where the last one arrived. Contacts are as hard as the last that did; none act where no search did. */
+  search() {
+    const { model } = this, { mujoco, model: mj, data } = model;
+    const run = () => model.run(() => mujoco.mj_fwdConstraint(mj, data));
+    const results = () => [data.qacc, data.qfrc_constraint, data.efc_force];
+    const soften = (factor) => {
+      const softness = data.efc_R, stiffness = data.efc_D;
+      for (let i = 0; i < softness.length; ++i) softness[i] *= factor, stiffness[i] /= factor;
+    };
+    run();
+    if (this.arrived()) return;
+    let good = results().map((values) => new Float64Array(values.length)), factor = 1 / kSoftness;
+    soften(factor);
+    data.qacc_warmstart.fill(0);
+    for (;;) {
+      run();
+      if (!this.arrived()) break;
+      good = results().map((values) => Float64Array.from(values));
+      if (factor <= 1) break;
+      data.qacc_warmstart.set(data.qacc);
+      const next = Math.max(1, factor / kHarder);
+      soften(next / factor);
+      factor = next;
+    }
+    soften(1 / factor);
+    results().forEach((values, k) => values.set(good[k]));
+  }
+
+  /** True where the last search has arrived. */
+  arrived() {
+    const { data, moving } = this.model, { qacc, qfrc_constraint: forces } = data;
+    let left = 0, all = 0;
+    moving.forEach((held, k) => {
+      const masses = [held.mass, held.mass, held.mass, ...held.body.principal_inertia.map((i) => kLength * kLength * i)];
+      masses.forEach((mass, i) => {
+        const force = forces[6 * k + i], off = kMass * mass * qacc[6 * k + i] - force;
+        left += off * off / mass, all += force * force / mass;
+      });
+    });
+    return left <= kArrived * kArrived * all;
   }
 
   /** Gives MuJoCo the contacts. */
