@@ -2,6 +2,7 @@
 // How many threads a force evaluation takes. Its threads wait for each other, so beside another program two threads may
 // be slower than one: whenever one of them has lost its processor, the other waits too. Results do not depend on it.
 #include <algorithm>
+#include <map>
 
 namespace sunder::shell {
 
@@ -20,9 +21,16 @@ class Pace {
  private:
   void end_block();
 
+  // What evaluations took with a number of threads.
+  struct Known {
+    double mean = 0.0;  // wall time of one [s]. Beside another program a block may be lucky: some blocks count
+    int block = 0;      // the last one that counts
+  };
+
   int most_, threads_;                   // largest number; the best known
   int block_threads_;                    // of the present block of evaluations; other than `threads_`: a trial
-  double mean_ = 0.0;                    // wall time of an evaluation in the last block that was no trial [s]
+  std::map<int, Known> known_;           // by threads
+  int block_ = 0;                        // number of the present block
   int waited_ = 0, patience_ = 1;        // blocks since the last trial, and until the next
   bool fewer_last_ = false;              // the last trial was of fewer threads
   double wall_ = 0.0, processor_ = 0.0;  // of the present block [s]
