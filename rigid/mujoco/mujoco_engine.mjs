@@ -16,6 +16,9 @@ const kImpactSpeed = 0.05; // [m/s]
 /** Overlap that stays. MuJoCo finds all corners of touching faces only where bodies overlap. */
 const kSlack = 5e-6; // [m]
 const kPushShare = 0.2; // of an overlap from before, removed in a window; what turning bodies add in it goes at once
+/** Multiple of the largest overlap to remove, above which no body is moved: among jammed bodies the contacts of a window may
+ * contradict each other. Then the overlaps of that window stay. */
+const kMostPush = 10;
 
 /** Key of a pair of bodies, in either order. */
 const pair = (a, b) => (a < b ? `${a} ${b}` : `${b} ${a}`);
@@ -198,6 +201,10 @@ export class MuJoCoEngine {
     });
     if (!contacts.some(({ target }) => target > 0)) return;
     const impulses = this.solver.solve(contacts, joints, 0, () => ({ linear: [0, 0, 0], angular: [0, 0, 0] }));
+    const most = kMostPush * window * contacts.reduce((found, { target }) => Math.max(found, target), 0);
+    const move = ([held, { linear, angular }]) => window * (m.norm(linear) / held.mass + held.reach *
+      m.norm(m.applyInverseInertia(held.end.orientation, held.body.principal_inertia, angular)));
+    if ([...impulses].some((one) => !(move(one) <= most))) return;
     contacts.forEach(({ acted }, k) => { meetings[k].met ||= acted; });
     for (const [held, { linear, angular }] of impulses) {
       const { end } = held, spin = m.applyInverseInertia(end.orientation, held.body.principal_inertia, angular);
