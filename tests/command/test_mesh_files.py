@@ -52,9 +52,10 @@ class MeshFiles(unittest.TestCase):
             elastic(modes[:5], 50.0)
 
     def test_spacings_are_finer_by_the_root_of_two(self) -> None:
-        self.assertAlmostEqual(mesh_files.SPACINGS[1], mesh_files.SPACING, places=15)
-        for coarse, fine in zip(mesh_files.SPACINGS, mesh_files.SPACINGS[1:]):
-            self.assertAlmostEqual(coarse / fine, math.sqrt(2.0), places=12)
+        for exact, middle in ((sphere(), mesh_files.SPACING), (tube(), mesh_files.TUBE_SPACING)):
+            self.assertAlmostEqual(exact.spacings[1], middle, places=15)
+            for coarse, fine in zip(exact.spacings, exact.spacings[1:]):
+                self.assertAlmostEqual(coarse / fine, math.sqrt(2.0), places=12)
 
 
 if __name__ == "__main__":
