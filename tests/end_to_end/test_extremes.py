@@ -13,7 +13,7 @@ from tests.validation.extremes.shells import SHELLS
 from tests.validation.extremes.suite import ROWS
 
 QUICK = ("thickness_1mm", "youngs_modulus_1e02", "youngs_modulus_1e12", "poisson_minus_0.5", "poisson_0.4999", "span_1um",
-         "span_1km", "elements_1", "at_rest", "speed_1km_per_s", "safety_1.0", "refused", "mass", "rebound", "fragments_1",
+         "span_1km", "elements_1", "at_rest", "ball_at_rest", "speed_1km_per_s", "safety_1.0", "refused", "mass", "rebound", "fragments_1",
          "cracks_at_1um_without_engine")
 
 
@@ -35,6 +35,7 @@ class Extremes(unittest.TestCase):
         for row in (replace(runs, expected=extremes.Refused("window_s", "window_s:")),
                     replace(runs, expected=extremes.Stopped("unstable", "")),
                     replace(runs, expected=extremes.Stable(-1.0)),
+                    replace(runs, expected=extremes.Stable(1.0, also="it warns of this")),
                     replace(refused, expected=extremes.Stable(1.0)),
                     replace(refused, expected=extremes.Refused("shells[0].layers", "thickness_m:")),
                     replace(rows["substeps_1e6"], limit_s=0.2),

@@ -73,22 +73,26 @@ DOUBT = r"(materials|shells|bodies)\[[^]]*\]\.[a-z_.]+ is [-+.0-9e]+ (Pa|kg/m\^3
 @dataclass(frozen=True)
 class Stable(Expectation):
     """Runs to its end, every number finite, and the energy books within `bound` at every window. It warns where `warns` is
-    given, and only with what this pattern matches from its begin."""
+    given, and of `also` where that is, and only with what these patterns match from its begin."""
     bound: float
     warns: str = ""
+    also: str = ""
 
     def __str__(self) -> str:
-        return f"stable, energy within {self.bound:.0e}" + (f", warns: {self.warns}" if self.warns else "")
+        return f"stable, energy within {self.bound:.0e}" + "".join(f", warns: {wanted}" for wanted in self._wanted)
+
+    @property
+    def _wanted(self) -> list[str]:
+        return [wanted for wanted in (self.warns, self.also) if wanted]
 
     def judge(self, found: Outcome, scene: str) -> tuple[str, str]:
         run, wrong = found.run, []
         if found.status != DONE or run.get("status") != "done":
             return _ending(found), "did not run to its end"
-        told = [w for w in run["warnings"] if self.warns and re.match(self.warns, w)]
-        if other := [w for w in run["warnings"] if w not in told and not re.match(DOUBT, w)]:
+        told = {wanted: [w for w in run["warnings"] if re.match(wanted, w)] for wanted in self._wanted}
+        if other := [w for w in run["warnings"] if w not in sum(told.values(), []) and not re.match(DOUBT, w)]:
             wrong.append(f"warns: {other[0]}")
-        if self.warns and not told:
-            wrong.append(f"does not warn: {self.warns}")
+        wrong += [f"does not warn: {wanted}" for wanted, found_ones in told.items() if not found_ones]
         if not _all_finite([run, found.series, found.probes, found.shards]):
             wrong.append("a number is not finite")
         if not max(run["ledger"].values()) <= MOST_LEDGER:
