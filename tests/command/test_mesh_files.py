@@ -8,7 +8,7 @@ import numpy as np
 
 from sunder_tools.errors import CommandError
 from tests.validation import mesh_files
-from tests.validation.mesh_files import elastic, obj_text, order_of, quad_sphere, sphere, tube, tube_off
+from tests.validation.mesh_files import below_order, elastic, obj_text, order_of, quad_sphere, sphere, tube, tube_off
 
 
 class MeshFiles(unittest.TestCase):
@@ -44,6 +44,13 @@ class MeshFiles(unittest.TestCase):
         self.assertAlmostEqual(order_of([1.0 + 0.08, 1.0 + 0.04, 1.0 + 0.02]), 2.0, places=12)
         self.assertAlmostEqual(order_of([1.0 - 0.08, 1.0 - 0.02, 1.0 - 0.005]), 4.0, places=12)
         self.assertTrue(math.isnan(order_of([2.0, 1.0, 1.0])))
+
+    def test_an_order_is_asked_of_what_has_not_settled(self) -> None:
+        self.assertEqual(below_order([100.08, 100.04, 100.02]), 0.0)  # of order 2
+        self.assertAlmostEqual(below_order([100.4, 100.2, 100.0]), 1.75, places=9)  # of none
+        self.assertGreater(below_order([100.0, 100.003, 100.02]), 1.75)  # it moves more and more
+        self.assertEqual(below_order([100.0, 100.003, 100.009]), 0.0)  # so little that it has settled
+        self.assertTrue(math.isnan(below_order([101.0, 100.0, 100.0])))
 
     def test_rigid_motions_and_unstable_modes_are_left_out(self) -> None:
         modes = [{"frequency_Hz": x} for x in (None, 1e-4, 0.02, 50.0, 51.0, 53.0, 52.0, 60.0)]
