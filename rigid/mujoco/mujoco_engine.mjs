@@ -1,6 +1,7 @@
 // Rigid bodies in MuJoCo, taken through windows (rigid/README.md "A window"). Motions are kept here. MuJoCo finds contacts
 // and solves them; a body without contacts ends in its predicted state, to the bit.
 import * as m from '../jolt/algebra.mjs';
+import { islands } from '../jolt/islands.mjs';
 import { ContactLaws } from '../jolt/laws.mjs';
 import { armOf, corners, findContacts, reach } from './mujoco_contacts.mjs';
 import { takeGainBack } from './mujoco_energy.mjs';
@@ -16,8 +17,9 @@ const kImpactSpeed = 0.05; // [m/s]
 /** Overlap that stays. MuJoCo finds all corners of touching faces only where bodies overlap. */
 const kSlack = 5e-6; // [m]
 const kPushShare = 0.2; // of an overlap from before, removed in a window; what turning bodies add in it goes at once
-/** Multiple of the largest overlap to remove, above which no body is moved: among jammed bodies the contacts of a window may
- * contradict each other. Then the overlaps of that window stay. */
+/** Multiple of the largest overlap to remove, above which no body of a group is moved: among jammed bodies contacts may
+ * contradict each other. Then the group's overlaps stay in that window. Bodies that turn out of an overlap move further than
+ * it is deep, by the ratio of arms, some times. */
 const kMostPush = 10;
 
 /** Key of a pair of bodies, in either order. */
@@ -201,10 +203,7 @@ export class MuJoCoEngine {
     });
     if (!contacts.some(({ target }) => target > 0)) return;
     const impulses = this.solver.solve(contacts, joints, 0, () => ({ linear: [0, 0, 0], angular: [0, 0, 0] }));
-    const most = kMostPush * window * contacts.reduce((found, { target }) => Math.max(found, target), 0);
-    const move = ([held, { linear, angular }]) => window * (m.norm(linear) / held.mass + held.reach *
-      m.norm(m.applyInverseInertia(held.end.orientation, held.body.principal_inertia, angular)));
-    if ([...impulses].some((one) => !(move(one) <= most))) return;
+    for (const held of this.tooFar(contacts, joints, impulses)) impulses.delete(held);
     contacts.forEach(({ acted }, k) => { meetings[k].met ||= acted; });
     for (const [held, { linear, angular }] of impulses) {
       const { end } = held, spin = m.applyInverseInertia(end.orientation, held.body.principal_inertia, angular);
@@ -214,6 +213,24 @@ export class MuJoCoEngine {
         orientation: m.normalized(m.multiply(m.turnOf(m.scale(window, spin)), end.orientation)),
       };
     }
+  }
+
+  /** Bodies of the groups in which a push would move one of them too far. */
+  tooFar(contacts, joints, impulses) {
+    const links = [...contacts, ...joints].map(({ first, second }) => [first, second]);
+    const speed = (held) => {
+      const { linear, angular } = impulses.get(held) ?? { linear: [0, 0, 0], angular: [0, 0, 0] };
+      return m.norm(linear) / held.mass +
+        held.reach * m.norm(m.applyInverseInertia(held.end.orientation, held.body.principal_inertia, angular));
+    };
+    const all = [];
+    for (const group of islands(links, (held) => held !== undefined && held.slot >= 0)) {
+      const own = new Set(group);
+      const most = contacts.reduce((found, { first, second, target }) =>
+        (own.has(first) || own.has(second) ? Math.max(found, target) : found), 0);
+      if (!group.every((held) => speed(held) <= kMostPush * most)) all.push(...group);
+    }
+    return all;
   }
 
   /** Second solve, of velocities only, at the new poses. Contacts that acted or touch now do not close; without it bodies

@@ -169,5 +169,44 @@ class Peers(MuJoCoCase):
         self.assertEqual(session.ended(), (0, ""))
 
 
+# A search that arrives where the contacts are as soft as `least`, or where one ten times as soft has just arrived and those are
+# as soft as `from_there`. Prints the calls, the softness at which what is left arrived (0: nothing is left), and the softness.
+SEARCH = """
+import { Solver } from './rigid/mujoco/mujoco_solver.mjs';
+import { kMass } from './rigid/mujoco/mujoco_model.mjs';
+const [least, fromThere] = process.argv.slice(1).map(Number);
+let calls = 0;
+const data = {
+  qacc: new Float64Array(6), qfrc_constraint: new Float64Array(6), efc_force: new Float64Array(1),
+  efc_R: new Float64Array([1]), efc_D: new Float64Array([1]), qacc_warmstart: new Float64Array(6),
+};
+const mj_fwdConstraint = () => {
+  ++calls;
+  const soft = data.efc_R[0], begun = Math.abs(data.qacc_warmstart[0] / (10 * soft) - 1) < 1e-9;
+  const arrives = soft >= least * 0.999 || (begun && soft >= fromThere * 0.999);
+  data.qacc[0] = soft;
+  data.qfrc_constraint[0] = arrives ? kMass * soft : 1e9;
+  data.efc_force[0] = 1;
+};
+const moving = [{ mass: 1, body: { principal_inertia: [1, 1, 1] } }];
+new Solver({ run: (f) => f(), mujoco: { mj_fwdConstraint }, model: {}, data, moving }).search();
+console.log(calls, Math.round(data.qfrc_constraint[0] / kMass), data.efc_force[0], Math.round(1e6 * data.efc_R[0]) / 1e6);
+"""
+
+
+@unittest.skipIf(why_not("mujoco"), why_not("mujoco"))
+class Search(unittest.TestCase):
+    def test_goes_from_soft_contacts_to_hard_ones_where_it_does_not_arrive(self) -> None:
+        for least, from_there, told in ((1, 1, "1 1 1 1"),       # at once
+                                        (1000, 1, "5 1 1 1"),    # by way of 1000, 100, 10
+                                        (1000, 10, "5 10 1 1"),  # no harder than 10
+                                        (1000, 1000, "3 1000 1 1"),
+                                        (1e9, 1e9, "2 0 0 1")):  # never
+            with self.subTest(least=least, from_there=from_there):
+                done = subprocess.run(["node", "--input-type=module", "-e", SEARCH, str(least), str(from_there)], cwd=REPOSITORY,
+                                      capture_output=True, text=True, check=False)
+                self.assertEqual(done.stdout.strip(), told, done.stderr)
+
+
 if __name__ == "__main__":
     unittest.main()
