@@ -108,9 +108,12 @@ std::string unstable_shell(const Simulation& simulation) {
   for (const ShellPart& part : simulation.state.shells) {
     if (!part.state) continue;
     const ShellModel& m = part.model();
-    for (int i = 0; i < m.control_points(); ++i)
-      if (const double speed = part.state->velocity(m.tables.slot(i)).norm(); speed > fastest)
+    for (int i = 0; i < m.control_points(); ++i) {
+      const int slot = m.tables.slot(i);
+      if (part.state->motion.detached[slot]) continue;  // it has left with a piece
+      if (const double speed = part.state->velocity(slot).norm(); speed > fastest)
         fastest = speed, shell = &m, point = i;
+    }
   }
   if (!shell) return "what deforms is unstable";
   const Vec2& at = shell->parameter[point];
