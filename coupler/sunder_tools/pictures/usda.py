@@ -75,11 +75,13 @@ class _Text:
         self._depth -= 1
         self.add("}")
 
-    def samples(self, declared: str, codes: Sequence[float], values: Sequence[str]) -> None:
-        """Adds an attribute over time; one value is no animation."""
+    def samples(self, declared: str, codes: Sequence[float], values: Sequence[str], meta: str = "") -> None:
+        """Adds an attribute over time, with what is told of it in round brackets; one value is no animation."""
         if len(values) == 1:
-            self.add(f"{declared} = {values[0]}")
+            self.add(f"{declared} = {values[0]}{meta}")
             return
+        if meta:
+            self.add(declared + meta)
         self.add(f"{declared}.timeSamples = {{")
         for code, value in zip(codes, values):
             self.add(f"{TAB}{_number(code)}: {value},")
@@ -181,8 +183,7 @@ def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dic
     if len(shape.velocity) == len(shape.points):
         each = rates[shape.first:shape.first + len(shape.velocity)]
         out.samples("vector3f[] velocities", at, [_tuples(rate * v) for rate, v in zip(each, shape.velocity)])
-    out.add('normal3f[] normals (interpolation = "vertex")')
-    out.samples("normal3f[] normals", at, [_tuples(n) for n in shape.normals])
+    out.samples("normal3f[] normals", at, [_tuples(n) for n in shape.normals], ' (interpolation = "vertex")')
     colours = np.concatenate([np.tile(_linear(slot.look), (len(slot.triangles), 1)) for slot in shape.slots])
     if (colours == colours[0]).all():
         out.add(f'color3f[] primvars:displayColor = {_tuples(colours[:1])} (interpolation = "constant")')
