@@ -14,6 +14,7 @@ import math
 from dataclasses import dataclass
 
 NEAR = 1.25
+MET, MISSED, BEYOND = "met", "missed", "beyond the limit"  # how a number stands to its goal
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,15 @@ def with_ratios(numbers: dict[str, float]) -> dict[str, float]:
                                    if over in numbers and under in numbers}).items()))
 
 
+def standing(key: str, value: object) -> str:
+    """How a number stands: `MET`, `MISSED` or `BEYOND`; '' where it has no goal."""
+    if key not in GOALS:
+        return ""
+    if not isinstance(value, (int, float)) or not math.isfinite(value) or not GOALS[key].within(value):
+        return BEYOND
+    return MET if GOALS[key].met(value) else MISSED
+
+
 def lines(numbers: dict[str, float]) -> list[str]:
     """A line for each number: its value and, where it has a goal, the goal, the limit and how it stands."""
     out = []
@@ -109,13 +119,12 @@ def lines(numbers: dict[str, float]) -> list[str]:
         told = f"{key:<54} {value:>10.6g}"
         if key in GOALS:
             goal = GOALS[key]
-            how = "met" if goal.met(value) else "missed" if goal.within(value) else "BEYOND THE LIMIT"
-            told += f" {goal.unit}, goal {goal.in_words[0]}, limit {goal.in_words[1]}: {how}"
+            how = standing(key, value)
+            told += f" {goal.unit}, goal {goal.in_words[0]}, limit {goal.in_words[1]}: {how.upper() if how == BEYOND else how}"
         out.append(told)
     return out
 
 
 def beyond(numbers: dict[str, float]) -> list[str]:
     """Keys of the numbers that are beyond their limits."""
-    return [key for key, value in numbers.items()
-            if key in GOALS and (not math.isfinite(value) or not GOALS[key].within(value))]
+    return [key for key, value in numbers.items() if standing(key, value) == BEYOND]

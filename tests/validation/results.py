@@ -13,7 +13,7 @@ from typing import Callable
 
 from sunder_tools.errors import BAD_INPUT, CommandError
 
-from ..benchmarks.goals import GOALS
+from ..benchmarks.goals import BEYOND, GOALS, MET, MISSED, standing
 from . import first_times, known
 from .cells import cell as _cell, figure as _figure
 
@@ -88,15 +88,26 @@ class Result:
         counts = [f"{self.count(verdict)} {verdict}{self._failing(named) if verdict == 'fail' else ''}"
                   for verdict in VERDICTS if self.count(verdict)]
         left = f"; {len(self.left)} case{'s' if len(self.left) > 1 else ''} not run" if self.left else ""
+        return "; ".join([*([", ".join(counts)] if counts else []), *self._of_numbers(named)]) + left
+
+    def _of_numbers(self, named: int) -> list[str]:
+        """Returns how many numbers there are, and how those with a goal stand; the names of at most `named` beyond their limit."""
         count = sum(len(value) if isinstance(value, dict) else 1 for value in self.numbers.values())
-        numbers = [f"{count} numbers"] if count else []
-        return "; ".join([*([", ".join(counts)] if counts else []), *numbers]) + left
+        standings = [standing(key, value) for key, value in self.numbers.items()]
+        told = [f"{standings.count(one)} {one}" for one in (MET, MISSED) if one in standings]
+        failed = [key for key, how in zip(self.numbers, standings) if how == BEYOND]
+        told += [f"{len(failed)} {BEYOND}{_some(failed, named)}"] if failed else []
+        return [f"{count} numbers{': ' if told else ''}{', '.join(told)}"] if count else []
 
     def _failing(self, most: int) -> str:
         """Returns ' (a, b and 3 more)' for the rows that fail; '' where none is to be named."""
-        names = [_cell(row["case"]) for row in self.rows if row["verdict"] == "fail"]
-        more = f" and {len(names) - most} more" if len(names) > most else ""
-        return f" ({', '.join(names[:most])}{more})" if most and names else ""
+        return _some([_cell(row["case"]) for row in self.rows if row["verdict"] == "fail"], most)
+
+
+def _some(names: list[str], most: int) -> str:
+    """Returns ' (a, b and 3 more)'; '' where none is to be named."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f" ({', '.join(names[:most])}{more})" if most and names else ""
 
 
 def result_of(suite: str, found: dict[str, object], seconds: float, circumstances: dict[str, object],
@@ -191,9 +202,9 @@ def _table(result: Result) -> list[str]:
 def _numbers(result: Result) -> list[str]:
     if result.suite == FIRST_USE:
         return first_times.table(result.numbers)
-    return ["| key | value | goal | limit |", "| --- | --: | --: | --: |",
-            *(f"| {_cell(key)} | {_figure(value, '.6g')} | {' | '.join(GOALS[key].in_words) if key in GOALS else ' | '} |"
-              for key, value in result.numbers.items())]
+    return ["| key | value | goal | limit | how it stands |", "| --- | --: | --: | --: | --- |",
+            *(f"| {_cell(key)} | {_figure(value, '.6g')} | {' | '.join(GOALS[key].in_words) if key in GOALS else ' | '} "
+              f"| {standing(key, value)} |" for key, value in result.numbers.items())]
 
 
 def status(results: list[Result]) -> str:
