@@ -88,7 +88,8 @@ sys.exit({last} if number == len(rounds) - 1 else 0)
         self.assertIn("only here: new\nonly there: old\n", self.told.getvalue())
 
     def test_no_kernel_at_all_is_no_proof(self) -> None:
-        for options, status in (([], 1), (["--filter", "window"], 0)):
+        cases: list[tuple[list[str], int]] = [([], 1), (["--filter", "window"], 0)]
+        for options, status in cases:
             (self.folder / "calls").unlink(missing_ok=True)
             self.program("here", {"a": 1.0})
             self.program("there", {"b": 1.0})

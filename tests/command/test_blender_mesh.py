@@ -5,6 +5,7 @@ import json
 import shutil
 import subprocess
 import unittest
+from typing import Any
 
 import numpy as np
 
@@ -60,13 +61,14 @@ def rows(*columns: np.ndarray) -> np.ndarray:
 
 
 class Made(InAFolder):
-    def made(self) -> dict[str, dict[str, list]]:
+    def made(self) -> dict[str, dict[str, Any]]:
         script, out = self.folder / "script.py", self.folder / "told.json"
         script.write_text(SCRIPT.format(addon=str(ADDON), folder=str(self.folder), out=str(out)))
         done = subprocess.run(["blender", "--background", "--factory-startup", "--python-exit-code", "3", "--python", str(script)],
                               cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-2000:])
-        return json.loads(out.read_text())
+        told: dict[str, dict[str, Any]] = json.loads(out.read_text())
+        return told
 
 
 @unittest.skipUnless(shutil.which("blender"), "Blender is not installed; apt-get install --no-install-recommends blender")

@@ -36,9 +36,10 @@ class Building(unittest.TestCase):
         self.commands: list[list[str]] = []
         self.status = 0
         self.cad = self.dart = False
+        self.ensure_installed = mock.MagicMock()
         contexts: tuple[contextlib.AbstractContextManager[Any], ...] = (
             mock.patch.object(build, "REPOSITORY", self.root), contextlib.redirect_stderr(self.said),
-            mock.patch.object(build, "ensure_installed"), mock.patch.object(build, "run_logged", self.run_fake),
+            mock.patch.object(build, "ensure_installed", self.ensure_installed), mock.patch.object(build, "run_logged", self.run_fake),
             mock.patch.dict(os.environ), mock.patch.object(first_use, "_built_in", None))
         for context in contexts:
             context.__enter__()
@@ -77,12 +78,12 @@ class Building(unittest.TestCase):
 
     def test_what_a_run_needs_comes_first_and_tests_when_they_are_wanted(self) -> None:
         build.ensure_built()
-        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES)
+        self.assertEqual(self.ensure_installed.call_args.args[1], install.PACKAGES)
         self.assertEqual(self.commands[0], ["cmake", "--preset", "release", "-DBUILD_TESTING=OFF"])
         build.ensure_built(targets=("sunder-single",))
         self.assertEqual([c[1] for c in self.commands[2:]], ["--build"], "it needs no package of tests")
         build.ensure_built(targets=("sunder-bench",))
-        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES + install.TEST_PACKAGES)
+        self.assertEqual(self.ensure_installed.call_args.args[1], install.PACKAGES + install.TEST_PACKAGES)
         self.assertEqual(self.commands[3], ["cmake", "--preset", "release", "-DBUILD_TESTING=ON"])
         self.assertEqual(self.commands[4][3:-2], ["--target", "sunder-shell", "sunder-rigid", "sunder-bench"])
         build.ensure_built(all_targets=True)
@@ -137,9 +138,9 @@ class Building(unittest.TestCase):
 
     def test_cad_installs_and_configures_once_more_and_stays(self) -> None:
         build.ensure_built()
-        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES)
+        self.assertEqual(self.ensure_installed.call_args.args[1], install.PACKAGES)
         build.ensure_built(cad=True)
-        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES + install.CAD_PACKAGES)
+        self.assertEqual(self.ensure_installed.call_args.args[1], install.PACKAGES + install.CAD_PACKAGES)
         self.assertEqual(self.commands[2], ["cmake", "--preset", "release", "-DBUILD_TESTING=OFF", "-DSUNDER_CAD=ON"])
         before = len(self.commands)
         build.ensure_built(cad=True)
@@ -152,7 +153,7 @@ class Building(unittest.TestCase):
         self.assertNotIn("-DSUNDER_DART=ON", self.commands[0])
         found = engines.resolve("dart", build.ensure_built())
         self.assertEqual(found.command, (str(self.folder / "rigid" / "sunder-rigid-dart"), "--engine", "dart"))
-        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES + install.DART_PACKAGES)
+        self.assertEqual(self.ensure_installed.call_args.args[1], install.PACKAGES + install.DART_PACKAGES)
         self.assertEqual(self.commands[-2], ["cmake", "--preset", "release", "-DBUILD_TESTING=OFF", "-DSUNDER_DART=ON"])
         self.assertEqual(self.commands[-1][3:-2], ["--target", "sunder-shell", "sunder-rigid", "sunder-rigid-dart"])
         build.ensure_built()
@@ -262,11 +263,12 @@ class Building(unittest.TestCase):
         (self.root / "shell").mkdir()
         (self.root / "shell" / "old.cpp").write_text("")
         self.finished("shell/sunder-shell", "rigid/sunder-rigid")
+        more: list[dict[str, Any]] = [{"targets": ("sunder-single",)}, {"cad": True}, {"all_targets": True}]
         for number in (errno.EACCES, errno.EROFS):
             with mock.patch.object(build, "only_builder", side_effect=OSError(number, "no", "lock")):
                 self.assertEqual(build.ensure_built().shell, self.folder / "shell" / "sunder-shell")
                 self.assertEqual(self.said.getvalue(), "")
-                for asked in ({"targets": ("sunder-single",)}, {"cad": True}, {"all_targets": True}):
+                for asked in more:
                     with self.assertRaisesRegex(CommandError, f"cannot build .* set {BUILD_DIR_VARIABLE} to a build folder"):
                         build.ensure_built(**asked)
         with mock.patch.object(build, "only_builder", side_effect=OSError(errno.EROFS, "no", "lock")):

@@ -202,7 +202,8 @@ class Testing(unittest.TestCase):
             self.assertEqual(sunder(["test", "-R", "vtp"]), 1)
             os.environ.pop(command.WITHIN_VARIABLE)
             self.assertEqual((failed.call_count, tested.call_count), (0, 0))
-            for status, arguments, times in ((0, ["-R", "vtp"], 0), (1, [], 0), (0, [], 1)):
+            cases: list[tuple[int, list[str], int]] = [(0, ["-R", "vtp"], 0), (1, [], 0), (0, [], 1)]
+            for status, arguments, times in cases:
                 run.return_value.returncode = status
                 self.assertEqual(sunder(["test", *arguments]), status)
                 self.assertEqual(run.call_args.kwargs["env"][command.WITHIN_VARIABLE], "1")

@@ -48,9 +48,9 @@ class CrackCheck(unittest.TestCase):
         self.assertIn("gone or changed", found.notes[0])
 
     def test_a_vertex_that_moves_by_a_bit_loses_its_edges(self) -> None:
-        moved = (float(np.nextafter(3.0, 4.0)), 5.4)
+        old, moved = (3.0, 5.4), (float(np.nextafter(3.0, 4.0)), 5.4)
         time_s, edges = self.frames[4]
-        self.frames[4] = (time_s, [tuple(moved if p == (3.0, 5.4) else p for p in e) for e in edges])
+        self.frames[4] = (time_s, [(moved if a == old else a, moved if b == old else b, crack, birth) for a, b, crack, birth in edges])
         self.assertEqual(self.found().lost, 6)  # three that were, three that come too late
 
     def test_an_edge_that_changes_hands_is_lost(self) -> None:

@@ -8,6 +8,7 @@ import math
 import tempfile
 import unittest
 from pathlib import Path
+from typing import cast
 from unittest import mock
 
 import numpy as np
@@ -119,7 +120,7 @@ class Rows(unittest.TestCase):
     def test_are_written_whatever_numbers_they_come_from(self) -> None:
         table = trials.Table()
         with contextlib.redirect_stdout(io.StringIO()):
-            table.add("share", np.float64(0.5), 0.0, np.float32(0.25), 1.0)
+            table.add("share", cast(float, np.float64(0.5)), 0.0, cast(float, np.float32(0.25)), 1.0)
         self.assertEqual(json.loads(json.dumps(table.rows))[0], {
             "name": "share", "computed": 0.5, "reference": 0.0, "error": 0.5, "tolerance": 0.25, "pass": False, "seconds": 1.0})
 
@@ -129,7 +130,7 @@ class Equivalence(unittest.TestCase):
         table = trials.Table()
         spread = np.array([-1.0, 1.0] * (impacts.SEEDS // 2))
         with contextlib.redirect_stdout(io.StringIO()):
-            found = impacts._add_equivalence(table, "count", [(m * (1.0 + scatter * spread)).tolist() for m in means], 0.1, 1.0)
+            found = impacts._add_equivalence(table, "count", [[float(v) for v in m * (1.0 + scatter * spread)] for m in means], 0.1, 1.0)
         np.testing.assert_allclose(found, means)
         self.assertEqual([row["name"] for row in table.rows], ["count", "count_over_three"])
         return [bool(row["pass"]) for row in table.rows]

@@ -35,14 +35,14 @@ class Engine(JointedEngine, JoltCase):
         flight.run(300)
         # from -slop, 0.05 mm, to the round-off of single precision
         self.assertAlmostEqual(flight.at(1)[2], 0.05, delta=5.1e-5)
-        self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-6)
-        self.assertLess(np.linalg.norm(flight.at(1)[:2] - (0.3, 0.1)), 1e-6)
+        self.assertLess(float(np.linalg.norm(flight.at(1, "velocity"))), 1e-6)
+        self.assertLess(float(np.linalg.norm(flight.at(1)[:2] - (0.3, 0.1))), 1e-6)
 
     def test_friction_stops_a_box(self) -> None:
         start = slab(1, (0.05, 0.05, 0.02), (0, 0, 0.02), velocity=(1, 0, 0))
         flight = self.flight([start, floor(2)], laws=[{"friction": 0.5}])
         flight.run(300)
-        self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-6)
+        self.assertLess(float(np.linalg.norm(flight.at(1, "velocity"))), 1e-6)
         # v^2 / (2 mu g), and up to one window's way for where the last one ends
         self.assertAlmostEqual(flight.at(1)[0], 1 / (2 * 0.5 * 9.81), delta=1e-3)
 
@@ -52,7 +52,7 @@ class Engine(JointedEngine, JoltCase):
             flight = self.flight([shard, floor(2)])
             flight.run(500)
             self.assertAlmostEqual(flight.at(1)[2], 0.0015, delta=6e-5, msg=f"{parts} parts")  # slop
-            self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-3)
+            self.assertLess(float(np.linalg.norm(flight.at(1, "velocity"))), 1e-3)
             up = rotate(quaternion(flight.states[1]["orientation"]), np.array([0, 0, 1]))
             self.assertGreater(abs(up[2]), 1 - 1e-4)
 
@@ -82,8 +82,8 @@ class Engine(JointedEngine, JoltCase):
         self.assertEqual(sorted(flight.states), [1, 10, 11, 12, 13])
         flight.run(100)
         for i in range(4):
-            self.assertLess(np.linalg.norm(flight.at(i + 10, "velocity")), 1e-6)
-            self.assertLess(np.linalg.norm(flight.at(i + 10) - (0.02 * i, 0, 1)), 0.5e-3)
+            self.assertLess(float(np.linalg.norm(flight.at(i + 10, "velocity"))), 1e-6)
+            self.assertLess(float(np.linalg.norm(flight.at(i + 10) - (0.02 * i, 0, 1))), 0.5e-3)
 
     def test_solved_bodies_touch_nothing(self) -> None:
         flight = self.flight([ball(1, 0.05, 1.0, (0, 0, 0.06)), ball(3, 0.05, 1.0, (1, 0, 0.06)), floor(2)])
@@ -133,63 +133,65 @@ class Refusals(JoltCase):
 
     def test_out_of_turn(self) -> None:
         load, window = self.LOAD, self.window()
-        for requests, says in (
-                ([load], "before Hello"), ([PROTOCOL, PROTOCOL], "second Hello"), ([PROTOCOL, window], "Window before Load"),
-                ([PROTOCOL, load, load], "second Load"), ([PROTOCOL, {}], "without content"),
-                ([{"hello": {"protocol_min": 3, "protocol_max": 4}}], "protocol 3 to 4"),
-                ([PROTOCOL, {"export": {}}], "Export before Load"),
-                ([{**PROTOCOL, "sequence": 5}], "request 5, expected 1"),
-                ([PROTOCOL, load, self.window(tick=7)], "window at tick 7"),
-                ([PROTOCOL, load, self.window(ticks=0)], "window at tick 0 (+0)"),
-                ([PROTOCOL, load, self.window(again=True)], "window.again"),
-                ([PROTOCOL, {"load": {"keep_windows": True}}], "keep_windows: the engine cannot do 'save_restore'"),
-                ([PROTOCOL, load, {"export": {}}], "Export: the engine cannot do 'export_rows'"),
-                ([PROTOCOL, load, {"save": {}}], "Save: the engine cannot do 'save_restore'"),
-                ([PROTOCOL, load, {"restore": {}}], "Restore: the engine cannot do 'save_restore'"),
-                ([PROTOCOL, load, {"add_bodies": {}}], "AddBodies: the engine cannot do 'save_restore'"),
-                # field 15, a message of no bytes: a request of some later protocol, sequence 2
-                ([PROTOCOL, {"raw": "\x08\x02\x7a\x00"}], "a kind that is not known here"),
-                ([PROTOCOL, load, self.window({"id": 9})], "predicted state of body 1: is missing"),
-                ([PROTOCOL, load, {"window": {**window["window"], "predicted": []}}], "predicted state of body 1: is missing"),
-                ([PROTOCOL, load, {"window": {**window["window"], "predicted": [self.BACK, {**self.BACK, "id": 9}]}}],
-                 "predicted state of body 9: names no moving body"),
-                ([PROTOCOL, load, self.window(solved=[9])], "solved[9]: there is no such body"),
-                ([PROTOCOL, load, self.window(births=[ball(1, 1, 1, (0, 0, 0))])], "births[1]: comes twice, or is held already"),
-                ([PROTOCOL, {"load": {"tick": -1}}], "load.tick is -1"),
-                ([{"raw": "\xff\xff\xff not a request"}], "no request")):
+        cases: list[tuple[list[Message], str]] = [
+            ([load], "before Hello"), ([PROTOCOL, PROTOCOL], "second Hello"), ([PROTOCOL, window], "Window before Load"),
+            ([PROTOCOL, load, load], "second Load"), ([PROTOCOL, {}], "without content"),
+            ([{"hello": {"protocol_min": 3, "protocol_max": 4}}], "protocol 3 to 4"),
+            ([PROTOCOL, {"export": {}}], "Export before Load"),
+            ([{**PROTOCOL, "sequence": 5}], "request 5, expected 1"),
+            ([PROTOCOL, load, self.window(tick=7)], "window at tick 7"),
+            ([PROTOCOL, load, self.window(ticks=0)], "window at tick 0 (+0)"),
+            ([PROTOCOL, load, self.window(again=True)], "window.again"),
+            ([PROTOCOL, {"load": {"keep_windows": True}}], "keep_windows: the engine cannot do 'save_restore'"),
+            ([PROTOCOL, load, {"export": {}}], "Export: the engine cannot do 'export_rows'"),
+            ([PROTOCOL, load, {"save": {}}], "Save: the engine cannot do 'save_restore'"),
+            ([PROTOCOL, load, {"restore": {}}], "Restore: the engine cannot do 'save_restore'"),
+            ([PROTOCOL, load, {"add_bodies": {}}], "AddBodies: the engine cannot do 'save_restore'"),
+            # field 15, a message of no bytes: a request of some later protocol, sequence 2
+            ([PROTOCOL, {"raw": "\x08\x02\x7a\x00"}], "a kind that is not known here"),
+            ([PROTOCOL, load, self.window({"id": 9})], "predicted state of body 1: is missing"),
+            ([PROTOCOL, load, {"window": {**window["window"], "predicted": []}}], "predicted state of body 1: is missing"),
+            ([PROTOCOL, load, {"window": {**window["window"], "predicted": [self.BACK, {**self.BACK, "id": 9}]}}],
+             "predicted state of body 9: names no moving body"),
+            ([PROTOCOL, load, self.window(solved=[9])], "solved[9]: there is no such body"),
+            ([PROTOCOL, load, self.window(births=[ball(1, 1, 1, (0, 0, 0))])], "births[1]: comes twice, or is held already"),
+            ([PROTOCOL, {"load": {"tick": -1}}], "load.tick is -1"),
+            ([{"raw": "\xff\xff\xff not a request"}], "no request")]
+        for requests, says in cases:
             self.check(requests, says, 3)
 
     def test_out_of_range(self) -> None:
         load = self.LOAD
         nan = xyz((0, 0, 0)) | {"y": "NaN"}
-        joint = {"id": 1, "kind": 1, "first": 1, "first_frame": {"orientation": {"w": 1}}, "second_frame": {"orientation": {"w": 1}}}
+        joint: Message = {"id": 1, "kind": 1, "first": 1, "first_frame": {"orientation": {"w": 1}}, "second_frame": {"orientation": {"w": 1}}}
         bodies = load["load"]["bodies"]
-        for requests, says in (
-                ([PROTOCOL, load, self.window(window_s="NaN")], "window_s is NaN"),
-                ([PROTOCOL, load, self.window(window_s=-1)], "window_s is -1"),
-                ([PROTOCOL, load, self.window({"position": nan})], "predicted[id 1].position is (0, NaN, 0)"),
-                ([PROTOCOL, load, self.window({"angular_momentum": {"x": "Infinity"}})], "predicted[id 1].angular_momentum"),
-                ([PROTOCOL, load, self.window({"orientation": {"w": 1, "x": 0.1}})], "orientation"),
-                ([PROTOCOL, load, self.window({"orientation": {"w": "NaN"}})], "orientation"),
-                ([PROTOCOL, load, {"window": {**self.window()["window"], "predicted": [self.BACK, self.BACK]}}], "out of order"),
-                ([PROTOCOL, load, self.window(solved=[2, 1])], "solved[1]"),
-                ([PROTOCOL, load, self.window(released=[2, 1])], "released[1]"),
-                ([PROTOCOL, load, self.window(released=[1])], "released[1]: there is no such joint"),
-                ([PROTOCOL, load, self.window(births=[{}])], "births[0].id is 0"),
-                ([PROTOCOL, self.load(mass=0)], "mass 0"),
-                ([PROTOCOL, self.load(mass="NaN")], "mass NaN"),
-                ([PROTOCOL, self.load(principal_inertia=xyz((1, 0, 1)))], "inertia must be positive"),
-                ([PROTOCOL, self.load(sphere_radius_m=-1)], "sphere_radius_m is -1"),
-                ([PROTOCOL, self.load(name="x" * 256)], "name has 256 bytes"),
-                ([PROTOCOL, {"load": {"bodies": [bodies[0], bodies[0]]}}], "comes twice"),
-                ([PROTOCOL, {"load": {"bodies": [body(1, {}, 1, (1, 1, 1), (0, 0, 0))]}}], "has no shape"),
-                ([PROTOCOL, {"load": {"bodies": [body(1, {"convex": {"parts": [{"corners": [0] * 11}]}}, 1, (1, 1, 1), (0, 0, 0))]}}],
-                 "11 coordinates"),
-                ([PROTOCOL, {"load": {"contacts": [{"friction": -1}]}}], "friction is -1"),
-                ([PROTOCOL, {"load": {"contacts": [{"restitution": "NaN"}]}}], "restitution is NaN"),
-                ([PROTOCOL, {"load": {"bodies": bodies, "joints": [{**joint, "kind": 0}]}}], "kind is 0"),
-                ([PROTOCOL, {"load": {"bodies": bodies, "joints": [{**joint, "second": 9}]}}], "between bodies 1 and 9"),
-                ([PROTOCOL, {"load": {"bodies": bodies, "joints": [{**joint, "first_frame": {}}]}}], "first_frame")):
+        cases: list[tuple[list[Message], str]] = [
+            ([PROTOCOL, load, self.window(window_s="NaN")], "window_s is NaN"),
+            ([PROTOCOL, load, self.window(window_s=-1)], "window_s is -1"),
+            ([PROTOCOL, load, self.window({"position": nan})], "predicted[id 1].position is (0, NaN, 0)"),
+            ([PROTOCOL, load, self.window({"angular_momentum": {"x": "Infinity"}})], "predicted[id 1].angular_momentum"),
+            ([PROTOCOL, load, self.window({"orientation": {"w": 1, "x": 0.1}})], "orientation"),
+            ([PROTOCOL, load, self.window({"orientation": {"w": "NaN"}})], "orientation"),
+            ([PROTOCOL, load, {"window": {**self.window()["window"], "predicted": [self.BACK, self.BACK]}}], "out of order"),
+            ([PROTOCOL, load, self.window(solved=[2, 1])], "solved[1]"),
+            ([PROTOCOL, load, self.window(released=[2, 1])], "released[1]"),
+            ([PROTOCOL, load, self.window(released=[1])], "released[1]: there is no such joint"),
+            ([PROTOCOL, load, self.window(births=[{}])], "births[0].id is 0"),
+            ([PROTOCOL, self.load(mass=0)], "mass 0"),
+            ([PROTOCOL, self.load(mass="NaN")], "mass NaN"),
+            ([PROTOCOL, self.load(principal_inertia=xyz((1, 0, 1)))], "inertia must be positive"),
+            ([PROTOCOL, self.load(sphere_radius_m=-1)], "sphere_radius_m is -1"),
+            ([PROTOCOL, self.load(name="x" * 256)], "name has 256 bytes"),
+            ([PROTOCOL, {"load": {"bodies": [bodies[0], bodies[0]]}}], "comes twice"),
+            ([PROTOCOL, {"load": {"bodies": [body(1, {}, 1, (1, 1, 1), (0, 0, 0))]}}], "has no shape"),
+            ([PROTOCOL, {"load": {"bodies": [body(1, {"convex": {"parts": [{"corners": [0] * 11}]}}, 1, (1, 1, 1), (0, 0, 0))]}}],
+             "11 coordinates"),
+            ([PROTOCOL, {"load": {"contacts": [{"friction": -1}]}}], "friction is -1"),
+            ([PROTOCOL, {"load": {"contacts": [{"restitution": "NaN"}]}}], "restitution is NaN"),
+            ([PROTOCOL, {"load": {"bodies": bodies, "joints": [{**joint, "kind": 0}]}}], "kind is 0"),
+            ([PROTOCOL, {"load": {"bodies": bodies, "joints": [{**joint, "second": 9}]}}], "between bodies 1 and 9"),
+            ([PROTOCOL, {"load": {"bodies": bodies, "joints": [{**joint, "first_frame": {}}]}}], "first_frame")]
+        for requests, says in cases:
             self.check(requests, says, 3)
 
     def test_what_the_engine_cannot(self) -> None:
@@ -210,10 +212,11 @@ class Refusals(JoltCase):
             self.assertIn(says, said)
 
     def test_arguments(self) -> None:
-        for arguments, says in (([], "--endpoint is missing"), (["--fast"], "--fast: unknown option"), (["--engine"], "no value"),
-                                (["--endpoint", "tcp://192.0.2.1:5555"], "use ipc://PATH"),
-                                (["--endpoint", "ipc:///nowhere/at/all"], "bad_endpoint"),
-                                (["--endpoint", "ipc:///" + 107 * "x"], "its path has 108 bytes, a socket's at most 107")):
+        cases: list[tuple[list[str], str]] = [
+            ([], "--endpoint is missing"), (["--fast"], "--fast: unknown option"), (["--engine"], "no value"),
+            (["--endpoint", "tcp://192.0.2.1:5555"], "use ipc://PATH"), (["--endpoint", "ipc:///nowhere/at/all"], "bad_endpoint"),
+            (["--endpoint", "ipc:///" + 107 * "x"], "its path has 108 bytes, a socket's at most 107")]
+        for arguments, says in cases:
             done = subprocess.run([program("jolt"), *arguments], capture_output=True, text=True, timeout=PATIENCE_S,
                                   check=False)
             self.assertEqual(done.returncode, 2, done.stderr)

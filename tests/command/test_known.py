@@ -76,8 +76,10 @@ class Judging(unittest.TestCase):
         self.assertIn("coarse grid", lines[0])
 
     def test_beyond_that_without_a_number_and_unlisted_it_fails(self) -> None:
-        for bad in ({**row("share", None, 0.0), "tolerance": None}, row("share", 0.61, 0.15), row("share", None, 0.15), row("share", float("nan"), 0.15),
-                    row("other", 0.5, 0.15)):
+        cases: list[dict[str, object]] = [
+            {**row("share", None, 0.0), "tolerance": None}, row("share", 0.61, 0.15), row("share", None, 0.15),
+            row("share", float("nan"), 0.15), row("other", 0.5, 0.15)]
+        for bad in cases:
             good, lines = known.judge([bad], GAPS, every=False)
             self.assertFalse(good, bad)
             self.assertNotIn("known", bad)

@@ -23,10 +23,10 @@ from tests.validation.extremes import rows as extremes
 from . import sunder
 from .fakes import write_executables
 
-NUMBERS = {"cases": [{"name": "a", "computed": 1.0, "reference": 1.0, "error": 0.0, "tolerance": 0.1, "pass": True,
-                      "seconds": 0.0}],
-           "curves": [{"name": "order", "x_label": "elements", "y_label": "error", "logarithmic": True,
-                       "x": [4, 8, 16, 0], "y": [0.1, 0.02, 0.005, 1.0]}]}
+NUMBERS: dict[str, Any] = {
+    "cases": [{"name": "a", "computed": 1.0, "reference": 1.0, "error": 0.0, "tolerance": 0.1, "pass": True, "seconds": 0.0}],
+    "curves": [{"name": "order", "x_label": "elements", "y_label": "error", "logarithmic": True,
+                "x": [4, 8, 16, 0], "y": [0.1, 0.02, 0.005, 1.0]}]}
 
 
 class Measuring(unittest.TestCase):
@@ -154,7 +154,8 @@ class Measuring(unittest.TestCase):
         with mock.patch.dict(experiments.EXPERIMENTS, runs):
             self.assertEqual(sunder(["validate", "shells", "--json", str(table)]), 0)
             self.assertEqual([row["name"] for row in json.loads(table.read_text())["cases"]], ["a"])
-            for known in ([], ["--known"]):
+            options: list[list[str]] = [[], ["--known"]]
+            for known in options:
                 self.assertEqual(sunder(["validate", "shells", "--case", "afar", "--json", str(table), *known]), 0)
                 found = results.result_of("shells", json.loads(table.read_text()), 1.0, {})
                 self.assertEqual(found.in_words(), "1 skipped")

@@ -5,13 +5,14 @@ import json
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 
 from sunder_tools.errors import CommandError
 from sunder_tools.report import models
 from sunder_tools.report.summary import summary
 
 
-RUN = {"schema": 1, "status": "done", "scene": "car", "models": [
+RUN: dict[str, Any] = {"schema": 1, "status": "done", "scene": "car", "models": [
     {"name": "plane_stress", "why": "the scene has a shell", "share": 0.9}, {"name": "contact", "why": "bodies meet", "share": 0.004},
     {"name": "seams", "why": "shells hang together", "share": 0.9}, {"name": "cuts", "why": "a shell has cuts", "share": 0.0},
     {"name": "damage", "why": "the mode is DAMAGE", "share": 0.0}, {"name": "engine", "why": "bodies meet", "share": 0.05}]}

@@ -41,6 +41,8 @@ class Notes(InAFolder):
 
     def test_a_film_in_which_cracks_grow_within_a_picture_is_told_and_the_speed_helps(self) -> None:
         write_series(self)
+        grown = growth(self.folder)
+        assert grown is not None
         frames = frames_each(1e-5, 1001)
         for fps in (None, 60.0):
             note = pace_note(self.folder, frames, fps, 0.1)
@@ -49,7 +51,7 @@ class Notes(InAFolder):
             found = re.search(r"--speed (\S+) spreads that over 24 pictures, and the film has (\d+)$", note)
             assert found is not None, note
             self.assertEqual(pace_note(self.folder, frames, fps, float(found[1])), "")
-            shown = (growth(self.folder)[1] - BEGINS) * (fps or 24.0) / float(found[1])
+            shown = (grown[1] - BEGINS) * (fps or 24.0) / float(found[1])
             self.assertTrue(24.0 <= shown + 1e-6 and shown < 27.0, shown)
         self.assertIn("within 2.4 pictures", pace_note(self.folder, frames, 240.0, 0.1))
 
@@ -98,12 +100,13 @@ class Told(OfARun):
         write_series(self)
         one = str(self.folder / "a.glb")
         film = ("--film", "--size", "64x48", "--jobs", "1", "--out", str(self.folder / "a.gif"))
-        for arguments in (("export", "--gltf", one, "--speed", "0.5"), ("export", "--gltf", one),
-                          ("export", "--frames", "0-5", "--speed", "0.5"), ("render", *film)):
+        growing: list[list[str]] = [["export", "--gltf", one, "--speed", "0.5"], ["export", "--gltf", one],
+                                    ["export", "--frames", "0-5", "--speed", "0.5"], ["render", *film]]
+        for arguments in growing:
             status, said = self.sunder(*arguments)
             self.assertEqual(status, 0, said)
             self.assertRegex(said, "sunder: note: cracks grow within .*--speed", str(arguments))
-        for arguments in (("export", "--frames", "0-3"), ("render", "--frames", "4", "--size", "64x48", "--jobs", "1")):
+        for arguments in (["export", "--frames", "0-3"], ["render", "--frames", "4", "--size", "64x48", "--jobs", "1"]):
             self.assertNotIn("note", self.sunder(*arguments)[1])
 
 

@@ -319,7 +319,8 @@ class ContactSheet(InAFolder):
     def test_white_is_white_from_below(self) -> None:
         """A porcelain bowl's outside looks down; it was as dark as slate."""
         surface = _surface(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]), np.full((1, 3), 0.94))
-        shader, shadows = _Shader(surface), Shadows(Scene(Surface(), surface, *[np.zeros((0, 2, 3))] * 2, *[np.zeros((0, 3))] * 2, None))
+        ends, corners = np.zeros((0, 2, 3)), np.zeros((0, 3))
+        shader, shadows = _Shader(surface), Shadows(Scene(Surface(), surface, ends, ends, corners, corners, None))
         at, eye = np.full((1, 3), 0.2, np.float32) * [[1, 1, 0]], np.array([[0.0, 0.0, 1.0]])
         above, below = (float(shader.opaque(np.array([0]), at.astype(np.float32), (sign * eye).astype(np.float32), shadows)[0, 0])
                         for sign in (1.0, -1.0))
@@ -358,8 +359,10 @@ class ContactSheet(InAFolder):
         assert last is not None and before is not None
         self.assertLess(len(last.triangles), len(before.triangles))
         births = np.array([0.5 * (shells[6].time_s + shells[7].time_s)])
-        without, _ = crack_pattern(frames, np.zeros(0), np.zeros(0), 300, 300)
-        whole, _ = crack_pattern(frames, births, np.array([0.01]), 300, 300)
+        left_out = crack_pattern(frames, np.zeros(0), np.zeros(0), 300, 300)
+        put_in = crack_pattern(frames, births, np.array([0.01]), 300, 300)
+        assert left_out is not None and put_in is not None
+        without, whole = left_out[0], put_in[0]
         new = (np.abs(whole - without) > 1e-9).any(axis=2)
         self.assertGreater(new.mean(), 0.05)
         empty = (without == background(300, 300).reshape(300, 300, 3)).all(axis=2)

@@ -148,15 +148,17 @@ class Plots(unittest.TestCase):
         self.assertEqual(self.axes(Panel("p", "x", "y", [Line("", [1.0, 2.0], [8.0, 9.0])], from_zero=True)).get_ylim()[0], 0.0)
 
     def test_curves_of_one_panel_share_its_axes(self) -> None:
-        axes = {"x_label": "spacing", "y_label": "speed", "logarithmic": False}
-        low, high = ({"name": name, "x": [1.0, 2.0], "y": [y, y + 1.0], **axes} for name, y in (("low", 8.0), ("high", 9.0)))
+        def curve(name: str, y: float, panel: str = "both") -> Curve:
+            return Curve(name, "spacing", "speed", [1.0, 2.0], [y, y + 1.0], logarithmic=False, panel=panel)
+
+        curves = [curve("low", 8.0), curve("high", 9.0), curve("low", 8.0, panel="")]
         with tempfile.TemporaryDirectory() as folder:
             for ending, start in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
                 path = Path(folder) / f"plots{ending}"
-                write_plots([Curve(**low, panel="both"), Curve(**high, panel="both"), Curve(**low)], path)
+                write_plots(curves, path)
                 self.assertTrue(path.read_bytes().startswith(start))
                 again = Path(folder) / f"again{ending}"
-                write_plots([Curve(**low, panel="both"), Curve(**high, panel="both"), Curve(**low)], again)
+                write_plots(curves, again)
                 self.assertEqual(again.read_bytes(), path.read_bytes())
             self.assertEqual(len(list(Path(folder).iterdir())), 6)
 

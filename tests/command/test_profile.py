@@ -21,8 +21,8 @@ from .fakes import write_executables
 
 FORCE = {"stage": "internal_force", "seconds": 3.0, "passes": 1000.0, "bytes": 2e6, "operations": 6e6, "memory_gb_per_s": 20.0,
          "memory_s": 0.1, "operations_s": 0.15, "limit": "operations", "times_limit": 20.0}
-PROFILE = {"schema": 1, "threads": 2, "substeps": 990.0, "fma_peak_gflops": 40.0,
-           "stages": [{"stage": "coupling", "seconds": 1.0}, FORCE]}
+PROFILE: dict[str, Any] = {"schema": 1, "threads": 2, "substeps": 990.0, "fma_peak_gflops": 40.0,
+                           "stages": [{"stage": "coupling", "seconds": 1.0}, FORCE]}
 NUMBERS = {"operations_per_layer_point": 160.0, "bytes_per_layer_point": 20.0, "fma_peak_gflops": 58.0, "memory_gb_per_s": 20.0,
            "force_ns_per_layer_point": 8.0, "force_ns_per_layer_point_10k": 7.5, "force_ns_per_layer_point_160k": 8.0}
 

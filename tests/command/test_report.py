@@ -19,13 +19,13 @@ from tests.validation import known, results
 
 from . import sunder
 
-WITH = {"commit": "abc", "date": "2000-01-02", "processor": "A | B", "cores": 2, "load": 0.1, "compiler": "c++ 1"}
-CASES = {"cases": [
+WITH: dict[str, Any] = {"commit": "abc", "date": "2000-01-02", "processor": "A | B", "cores": 2, "load": 0.1, "compiler": "c++ 1"}
+CASES: dict[str, Any] = {"cases": [
     {"name": "roof", "computed": 1.01, "reference": 1.0, "error": 0.01, "tolerance": 0.1, "pass": True, "seconds": 2.5},
     {"name": "share", "computed": 0.5, "reference": 0.0, "error": 0.5, "tolerance": 0.1, "pass": False, "seconds": 1.0,
      "known": "coarse grid"},
     {"name": "gone", "computed": None, "reference": 0.0, "error": None, "tolerance": 0.0, "pass": False, "seconds": 0.0}]}
-ENGINES = {"engines": {"ode": {"engine": "ode", "version": "1", "cases": [
+ENGINES: dict[str, Any] = {"engines": {"ode": {"engine": "ode", "version": "1", "cases": [
     {"name": "fall.height", "needs": [], "computed": 1.0, "reference": 1.0, "error": 0.0, "tolerance": 1e-3,
      "verdict": "pass", "note": ""},
     {"name": "stack", "needs": ["contact"], "computed": None, "reference": None, "error": None, "tolerance": None,
@@ -66,7 +66,8 @@ class Pages(unittest.TestCase):
                     results.read_all(folder)
 
     def test_json_of_something_else_is_refused(self) -> None:
-        for found in ({}, {"cases": [{"name": "x"}]}, {"engines": []}):
+        others: list[dict[str, object]] = [{}, {"cases": [{"name": "x"}]}, {"engines": []}]
+        for found in others:
             with self.assertRaisesRegex(CommandError, "has no cases"):
                 results.result_of("shells", found, 0.0, WITH)
 
@@ -115,7 +116,7 @@ class Status(unittest.TestCase):
 
     def test_rows_are_judged_by_the_list_as_it_is_now(self) -> None:
         folder = self.readme.parent
-        rows = [{"case": name, "error": error, "verdict": verdict, "note": "old"} for name, error, verdict in (
+        rows: list[results.Row] = [{"case": name, "error": error, "verdict": verdict, "note": "old"} for name, error, verdict in (
             ("within", 0.2, "fail"), ("beyond", 0.4, "known"), ("gone", 0.1, "known"), ("nan", None, "known"),
             ("good", 0.01, "pass"), ("absent", None, "skipped"))]
         (folder / "cracks.txt").write_text("".join(f"{name} 0.3 why\n" for name in ("within", "beyond", "nan", "good", "absent")))
@@ -204,7 +205,7 @@ class Reporting(unittest.TestCase):
 
     def test_a_case_is_renewed_alone(self) -> None:
         self.assertEqual(self.report("shells", found=CASES), 0)
-        roof = {**CASES["cases"][0], "computed": 1.02}
+        roof: dict[str, Any] = {**CASES["cases"][0], "computed": 1.02}
         made = {"share": {**WITH, "commit": "def", "date": "2000-01-03"}, "roof": WITH}
         for case in ("roof", "share"):
             found = {"cases": [roof] if case == "roof" else [{**CASES["cases"][1], "name": f"share_{k}"} for k in (1, 2)]}
@@ -240,8 +241,10 @@ class Reporting(unittest.TestCase):
         self.assertEqual(list(kept.runs), ["", "ode", "mujoco"])
         self.assertIn("| all others | abc |", self.page())
         self.assertIn("| ode, mujoco | def |", self.page())
-        for arguments, words in ((["shells"], "goes with the suite 'engines' alone"), (["engines", "--case", "fall"], "'engines' alone"),
-                                 (["engines", "shells"], "'engines' alone"), ([], "'engines' alone")):
+        cases: list[tuple[list[str], str]] = [
+            (["shells"], "goes with the suite 'engines' alone"), (["engines", "--case", "fall"], "'engines' alone"),
+            (["engines", "shells"], "'engines' alone"), ([], "'engines' alone")]
+        for arguments, words in cases:
             self.assertEqual(self.report(*arguments, "--rigid", "ode"), 2)
             self.assertIn(words, self.said.getvalue())
         self.assertEqual(self.report("engines", "--rigid", "./mine"), 2)
@@ -249,7 +252,7 @@ class Reporting(unittest.TestCase):
 
     def test_an_interruption_renews_the_cases_that_ran(self) -> None:
         self.assertEqual(self.report("shells", found=CASES), 0)
-        roof = {**CASES["cases"][0], "computed": 1.03}
+        roof: dict[str, Any] = {**CASES["cases"][0], "computed": 1.03}
         self.assertEqual(self.report("shells", "contact", status=130, found={"cases": [roof], "ran": {"roof": 1}, "left": ["share"]}), 130)
         self.assertIn("interrupted; what ran is kept, not run: contact\n", self.said.getvalue())
         kept = results.read_all(self.top / "validation" / "results")
@@ -263,8 +266,8 @@ class Reporting(unittest.TestCase):
         one = {**ENGINES["engines"]["ode"], "cases": ENGINES["engines"]["ode"]["cases"][:1], "left": ["stack"]}
         self.assertEqual(self.report("engines", found=ENGINES), 0)
         self.assertEqual(self.report("engines", status=130, found={"engines": {"ode": one}}), 130)
-        kept = {result.suite: result for result in results.read_all(self.top / "validation" / "results")}
-        self.assertEqual([(row["case"], row["run"]) for row in kept["engines"].rows],
+        of_suite = {result.suite: result for result in results.read_all(self.top / "validation" / "results")}
+        self.assertEqual([(row["case"], row["run"]) for row in of_suite["engines"].rows],
                          [("ode: fall.height", "ode, in part"), ("ode: stack", "")])
 
     def test_cases_that_no_run_has_had_are_named(self) -> None:

@@ -22,16 +22,18 @@ class SeamLines(unittest.TestCase):
 
     def mesh(self, fragments: tuple[int, int] = (0, 0), shells: tuple[int, int] = (0, 1), apart: float = 0.0,
              right: int = 10, slivers: int = 0) -> PolyData:
-        points, triangles, count = [], [], []
+        points: list[np.ndarray] = []
+        triangles: list[np.ndarray] = []
+        count: list[int] = []
         for rows, far in ((7, -0.1), (right, 0.1)):
             y, first = np.linspace(0.0, HEIGHT, rows + 1), sum(map(len, points))
             points += [np.column_stack([x, y, 0.0 * y]) for x in (np.full(rows + 1, far), seam(y))]
             k = first + np.arange(rows)
             triangles += [np.stack([k, k + rows + 1, k + 1], axis=1), np.stack([k + 1, k + rows + 1, k + rows + 2], axis=1)]
             count.append(2 * rows)
-        for k in range(slivers):  # small pieces of the first shell, far off, of which each has three lines
+        for sliver in range(slivers):  # small pieces of the first shell, far off, of which each has three lines
             first = sum(map(len, points))
-            points.append(np.array([[5.0 + k, 0, 0], [5.001 + k, 0, 0], [5.0 + k, 0.001, 0]]))
+            points.append(np.array([[5.0 + sliver, 0, 0], [5.001 + sliver, 0, 0], [5.0 + sliver, 0.001, 0]]))
             triangles.append(np.array([[first, first + 1, first + 2]]))
         rest = np.concatenate(points)
         moved = np.zeros_like(rest)

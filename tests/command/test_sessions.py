@@ -20,9 +20,11 @@ from .recorded import MASS, MEETS, TICKS, WINDOW_S, WINDOWS, WORDS, Recorder, Se
 
 class Sound(unittest.TestCase):
     def test_what_is_wrong_with_a_motion_is_said_with_its_field_and_value(self) -> None:
-        for values, words in (({"velocity": {"x": 1.0, "y": float("nan")}}, "velocity is (1, nan, 0): not finite"),
-                              ({"mass": float("inf")}, "mass is inf: not finite"),
-                              ({"orientation": {"w": 0.9}}, "orientation has length 0.9, which must be 1")):
+        cases: list[tuple[dict[str, Any], str]] = [
+            ({"velocity": {"x": 1.0, "y": float("nan")}}, "velocity is (1, nan, 0): not finite"),
+            ({"mass": float("inf")}, "mass is inf: not finite"),
+            ({"orientation": {"w": 0.9}}, "orientation has length 0.9, which must be 1")]
+        for values, words in cases:
             with self.subTest(words):
                 state = exchange().BodyState(**{"id": 1, "mass": 1.0, "orientation": {"w": 1.0}, **values})
                 self.assertFalse(is_sound(state))
@@ -159,6 +161,7 @@ class Playing(Sessions):
 
             def receive(self) -> bytes:
                 self._count += 1
+                assert self._answer is not None
                 reply = exchange().Reply.FromString(self._answer)
                 return bytes(self._spoil(reply) if self._count == self._at else self._answer)
 

@@ -11,6 +11,7 @@ import tempfile
 import threading
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -235,6 +236,7 @@ class Curves(InAFolder):
         run = self.synthetic(9)
         frames = list_frames(self.folder)
         here = frames[2].read(BODIES)
+        assert here is not None
         body = here.of_triangles("body", 0)
         velocity = body_velocity(frames, 2)
         ball = velocity[np.unique(here.triangles[body == 0])]
@@ -242,6 +244,7 @@ class Curves(InAFolder):
         np.testing.assert_array_equal(velocity[np.unique(here.triangles[body == 1])], 0.0)
         born = frames[run.count // 3 + 1]
         shard = born.read(BODIES)
+        assert shard is not None
         mine = np.unique(shard.triangles[shard.of_triangles("kind", 0) == 1])
         speed = np.linalg.norm(body_velocity(frames, run.count // 3 + 1)[mine], axis=1)
         self.assertGreater(speed.min(), 0.1, "one that is new has the speed of its first interval")
@@ -264,7 +267,9 @@ class SceneText(InAFolder):
             self.assertTrue(all(words.shells), path.name)
         car = words_of(parse_text((REPOSITORY / "scenes" / "impactor.textproto").read_text()), [])
         self.assertEqual([n for n, g in zip(car.shells, car.glass) if g], ["windscreen", "rear_window"])
-        self.assertAlmostEqual(car.mass_under("impactor"), 0.5 * 0.7 * 0.5 * 2300)
+        mass = car.mass_under("impactor")
+        assert mass is not None
+        self.assertAlmostEqual(mass, 0.5 * 0.7 * 0.5 * 2300)
 
     def test_a_mass_that_was_set_is_not_guessed(self) -> None:
         scene = parse_text((REPOSITORY / "scenes" / "impactor.textproto").read_text())
@@ -274,7 +279,7 @@ class SceneText(InAFolder):
     def test_a_mesh_that_became_several_shells_has_their_names(self) -> None:
         (self.folder / SCENE_COPY).write_text("""materials { name: "clay" density: 2000 strength: 1 } materials { name: "glass" }
             shells { name: "vase" material: "clay" thickness_m: 0.01 } shells { name: "lid" material: "glass" thickness_m: 0.02 }""")
-        told = {"schema": 1, "counts": {"patches": 4}, "shells": ["vase.1", "vase.2.1", "vase.2.2", "lid"]}
+        told: dict[str, Any] = {"schema": 1, "counts": {"patches": 4}, "shells": ["vase.1", "vase.2.1", "vase.2.2", "lid"]}
         (self.folder / "run.json").write_text(json.dumps(told))
         words = scene_words(self.folder)
         self.assertEqual((words.shells, words.materials), (tuple(told["shells"]), ("clay", "clay", "clay", "glass")))

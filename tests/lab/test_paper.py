@@ -245,11 +245,12 @@ class Mannequin(unittest.TestCase):
             depth = re.search(r"deepest point of the dress is (-?[\d.]+) mm in the body.* at ([\d.]+) s", drawn.found[1])
             assert depth is not None, drawn.found
             half = 0.5 * Scene.load(scene).message.shells[0].thickness_m
-            at = min(frames, key=lambda frame: abs(frame.time_s - float(depth[2])))
+            deepest, deepest_s = float(depth[1]), float(depth[2])
+            at = min(frames, key=lambda frame: abs(frame.time_s - deepest_s))
             shell, bodies = at.read(SHELL), at.read(BODIES)
             assert shell is not None and bodies is not None
             far = outside(shell.points[np.unique(shell.triangles)], bodies.points, bodies.triangles)
-            self.assertAlmostEqual(float(depth[1]), 1e3 * (half - far.min()), delta=0.06)
+            self.assertAlmostEqual(deepest, 1e3 * (half - far.min()), delta=0.06)
             self.assertGreater(_off_body(frames[0]).min(), half)  # the dress starts off the body
             self.assertEqual([(check.name, check.most) for check in drawn.checks], [("fig16_depth", half)])
             self.assertAlmostEqual(drawn.checks[0].value, half - far.min(), delta=6e-5)
@@ -305,8 +306,13 @@ class Told(unittest.TestCase):
             runs = Runs(Path(name), "small", "1", True)
             runs.open()
             scene = ["as it ran"]
+
+            def edited(_: Runs, case: str) -> tuple[int, str]:
+                scene[0] += ", edited"
+                return DONE, ""
+
             with mock.patch.object(Runs, "identity", lambda self, case: scene[0]):
-                with mock.patch.object(Runs, "_one", lambda self, case: (scene.append(scene.pop() + ", edited"), (DONE, ""))[1]):
+                with mock.patch.object(Runs, "_one", edited):
                     self.assertTrue(runs.run(("fig13",)))
                 self.assertEqual(runs.record.cases["fig13"]["identity"], "as it ran")
                 self.assertFalse(runs.done("fig13"))

@@ -9,6 +9,7 @@ import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -100,9 +101,11 @@ class Motions(InFolder):
         self.assertAlmostEqual(found["missing"], found["lost"] + 0.25 - 7.5, places=12)
 
     def test_perforation(self) -> None:
-        through = dict(start=-40.0, force=6.0, until=10)   # slowed for 1 ms, then flies on
-        for name, how, expected in (("through", through, True), ("bounced", dict(start=-5.0), False),
-                                    ("still pushed", dict(start=-40.0, force=5.0), None), ("not there yet", dict(start=-1.0, force=0.0), None)):
+        cases: list[tuple[str, dict[str, Any], bool | None]] = [
+            ("through", dict(start=-40.0, force=6.0, until=10), True),  # slowed for 1 ms, then flies on
+            ("bounced", dict(start=-5.0), False), ("still pushed", dict(start=-40.0, force=5.0), None),
+            ("not there yet", dict(start=-1.0, force=0.0), None)]
+        for name, how, expected in cases:
             with self.subTest(name):
                 self.assertIs(sunder.perforated(write_run(self.here / name.replace(" ", "_"), **how)), expected)
         with self.assertRaisesRegex(sunder.Error, "with supports"):
@@ -323,8 +326,8 @@ class Limits(unittest.TestCase):
 
     def test_the_interval_holds_the_median_as_often_as_it_says(self) -> None:
         chance = np.random.default_rng(5)
-        draws = [judged(chance.exponential(10.0, 9).tolist(), 0.0) for _ in range(2000)]
-        held = np.mean([d.low <= 10.0 * math.log(2.0) <= d.high for d in draws])
+        draws = [judged([float(v) for v in chance.exponential(10.0, 9)], 0.0) for _ in range(2000)]
+        held = float(np.mean([d.low <= 10.0 * math.log(2.0) <= d.high for d in draws]))
         self.assertAlmostEqual(held, 0.961, delta=4 * math.sqrt(0.961 * 0.039 / 2000))  # four deviations of a share
 
     def test_panes_that_never_or_always_break_count(self) -> None:

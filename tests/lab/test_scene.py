@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from typing import cast
 
 import sunder
 from sunder_tools.launch.build import build_dir
@@ -65,10 +66,11 @@ class Paths(unittest.TestCase):
     def test_numbers_that_are_none_are_refused_at_once(self) -> None:
         scene = sunder.Scene.load(ACRYLIC)
         before = scene.text()
-        for path, value, words in (("window_s", float("nan"), "no finite number"), ("window_s", float("inf"), "no finite number"),
-                                   ("gravity.z", "-inf", "no finite number"), ("fracture.mode", 99, "TIPS, CUTS, DAMAGE"),
-                                   ("shells[plate].layers", 2 ** 40, "no whole number"),
-                                   ("shells[plate].layers", 2.5, "no whole number")):
+        cases: list[tuple[str, float | str, str]] = [
+            ("window_s", float("nan"), "no finite number"), ("window_s", float("inf"), "no finite number"),
+            ("gravity.z", "-inf", "no finite number"), ("fracture.mode", 99, "TIPS, CUTS, DAMAGE"),
+            ("shells[plate].layers", 2 ** 40, "no whole number"), ("shells[plate].layers", 2.5, "no whole number")]
+        for path, value, words in cases:
             with self.assertRaisesRegex(sunder.BadSetting, words):
                 scene[path] = value
         self.assertEqual(scene.text(), before)
@@ -76,7 +78,7 @@ class Paths(unittest.TestCase):
     def test_numbers_are_kept_to_the_bit(self) -> None:
         import numpy as np
         scene = sunder.Scene.load(ACRYLIC)
-        for value in (0.1 + 0.2, 1e-300, np.float64(1) / 3, np.float32(0.1)):
+        for value in (0.1 + 0.2, 1e-300, cast(float, np.float64(1) / 3), cast(float, np.float32(0.1))):
             scene["window_s"] = value
             self.assertEqual(scene["window_s"], float(value))
             with tempfile.TemporaryDirectory() as folder:
@@ -150,8 +152,9 @@ class Files(unittest.TestCase):
             moved.check()
 
     def test_runs_as_the_command_does_to_the_bit(self) -> None:
-        settings = {"shells[plate].plate.elements_x": 24, "shells[plate].plate.elements_y": 24, "end_time_s": 3e-5,
-                    "bodies[pellet].twist.linear.z": -50}
+        settings: dict[str, float | int | bool | str] = {
+            "shells[plate].plate.elements_x": 24, "shells[plate].plate.elements_y": 24, "end_time_s": 3e-5,
+            "bodies[pellet].twist.linear.z": -50}
         one = sunder.Scene.load(ACRYLIC).set(settings).run(self.here / "one", threads=1)
         command = [str(REPOSITORY / "coupler" / "sunder"), "run", str(ACRYLIC), "--out", str(self.here / "two"), "--quiet"]
         for path, value in settings.items():
