@@ -10,7 +10,7 @@ import tempfile
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Sequence, Union
+from typing import Any, Mapping, Sequence, SupportsFloat, Union
 
 from google.protobuf import text_format
 
@@ -30,6 +30,7 @@ SCENES = REPOSITORY / "scenes"  # scenes of the project
 SCENE_FILE = "scene.textproto"
 
 Value = Union[float, int, bool, str]
+Given = Union[Value, SupportsFloat]  # numpy's numbers too
 
 
 class BadSetting(CommandError, ValueError):
@@ -87,7 +88,7 @@ class Scene:
         value: Value = getattr(at, field.name)
         return field.enum_type.values_by_number[value].name if field.enum_type else value
 
-    def __setitem__(self, path: str, value: Value) -> None:
+    def __setitem__(self, path: str, value: Given) -> None:
         """Sets a single field and creates absent messages of its path. Raises BadSetting and then leaves the scene
         unchanged."""
         at, field = self._field(path)
@@ -106,7 +107,7 @@ class Scene:
             raise BadSetting(f"{path}={text}: '{text}' is no {_kind(field)}")
         setattr(at, field.name, getattr(scratch, field.name))
 
-    def set(self, values: dict[str, Value]) -> "Scene":
+    def set(self, values: Mapping[str, Given]) -> "Scene":
         """Sets several paths; returns the scene itself. Raises BadSetting."""
         for path, value in values.items():
             self[path] = value
@@ -265,7 +266,7 @@ def _near(word: str, names: list[str], all_of_them: str) -> str:
     return did_you_mean(word, names) if nearest(word, names) else f"{all_of_them}: {', '.join(names) or 'none'}"
 
 
-def _text(value: Value, field: Any) -> str:
+def _text(value: Given, field: Any) -> str:
     """Returns a value in the text format; numpy's numbers count as Python's."""
     value = value.item() if hasattr(value, "item") else value
     if isinstance(value, bool):

@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
-from typing import cast
+from typing import SupportsFloat
 
 import sunder
 from sunder_tools.launch.build import build_dir
@@ -78,7 +78,8 @@ class Paths(unittest.TestCase):
     def test_numbers_are_kept_to_the_bit(self) -> None:
         import numpy as np
         scene = sunder.Scene.load(ACRYLIC)
-        for value in (0.1 + 0.2, 1e-300, cast(float, np.float64(1) / 3), cast(float, np.float32(0.1))):
+        numbers: list[SupportsFloat] = [0.1 + 0.2, 1e-300, np.float64(1) / 3, np.float32(0.1)]
+        for value in numbers:
             scene["window_s"] = value
             self.assertEqual(scene["window_s"], float(value))
             with tempfile.TemporaryDirectory() as folder:

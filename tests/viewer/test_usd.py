@@ -44,7 +44,7 @@ class InThree(OfARun):
         status, said = self.sunder("export", "--usd", str(self.file), "--speed", "1", "--fps", "24")
         self.assertEqual(status, 0, said)
         stage = Usda(self.file.read_text())
-        codes = np.linspace(0.0, stage.meta["endTimeCode"], 7).tolist()
+        codes = [float(code) for code in np.linspace(0.0, stage.meta["endTimeCode"], 7)]
         meshes = by_three(self.node, self.file, codes)
         paths = {(p.split("/")[-2], p.split("/")[-1]): p for p, prim in stage.prims.items() if prim.kind == "Mesh"}
         self.assertEqual({(m["thing"], m["name"]) for m in meshes}, set(paths))
