@@ -18,8 +18,8 @@ from sunder_tools.pictures.meshes import load_scene
 from sunder_tools.pictures.playback import Playback
 from sunder_tools.pictures.story import Shape, Thing
 from sunder_tools.pictures.usda import usda_text
-from sunder_tools.report.appearance import (ACRYLIC, BRASS, CLOTH, FOAM, GLASS, ICE, IRON, LEAD, NAMED, PAINT, PLASTIC, PORCELAIN,
-                                            STEEL, UNKNOWN, WOOD, appearance_of, as_linear, unknown)
+from sunder_tools.report.appearance import (ACRYLIC, BRASS, CLOTH, FOAM, GLASS, ICE, IRON, LEAD, NAMED, PAINT, PLASTER, PLASTIC,
+                                            PORCELAIN, STEEL, UNKNOWN, WOOD, appearance_of, as_linear, unknown)
 from sunder_tools.report.scene_text import SCENE_COPY, parse_text, words_of
 
 from . import REPOSITORY
@@ -51,6 +51,12 @@ class Table(unittest.TestCase):
                 for name in (word, f"old_{word}", f"{word.capitalize()}2"):
                     found = dict(words_of(parse_text(f'materials {{ name: "{name}" density: 7800 }}'), []).appearances)[name]
                     self.assertEqual(found, look, name)
+
+    def test_plaster_is_not_glass_though_it_breaks(self) -> None:
+        self.assertEqual(appearance_of("plaster", "", 1200.0, 5e9, False, 0), PLASTER)
+        unnamed = dict(words_of(parse_text('materials { name: "a" density: 1200 youngs_modulus: 5e9 strength: 3e6 fracture_energy: 5 }'), []).appearances)["a"]
+        self.assertNotEqual(unnamed.kind, GLASS.kind)
+        self.assertEqual((PLASTER.kind, PLASTER.clear), ("plain", False))
 
     def test_short_words_count_as_whole_parts_alone(self) -> None:
         for name, look in (("carbon_steel", STEEL), ("CarbonFibre", PLASTIC), ("painted_glass", GLASS), ("glass_fibre", PLASTIC),
