@@ -76,12 +76,22 @@ std::string blocked_warning(const std::vector<Proxy>& bodies, BodyId id, double 
       when, name_of(bodies, id));
 }
 
+namespace {
+
+// To two digits, so that the number that is told is one that does. A number of two digits stays as it is.
+double rounded_down(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return std::floor(value / unit * (1.0 + 1e-12)) * unit;
+}
+
+}  // namespace
+
 std::string heavy_warning(const std::vector<Proxy>& bodies, const HeavyPair& pair, const std::string& engine) {
   if (pair.looks < kLooks) return "";
   return fmt::format(
       "'{}' lies on '{}', which is {:.3g} times lighter: in windows as long as these the engine '{}' may let it sink "
       "in or squeeze it out; take --rigid ode, which holds any ratio, or a window_s of {:.2g} s or less",
-      name_of(bodies, pair.heavy), name_of(bodies, pair.light), pair.ratio, engine, pair.window);
+      name_of(bodies, pair.heavy), name_of(bodies, pair.light), pair.ratio, engine, rounded_down(pair.window));
 }
 
 }  // namespace sunder::shell

@@ -118,6 +118,20 @@ class Statics(unittest.TestCase):
         self.assertEqual(frame.time_s, 0.0)
         self.assertGreater(height(frame), 0.05)
 
+    def test_the_remedies_of_failed_searches_help(self) -> None:
+        done = self.sunder(MEMBRANE, "run", "--no-pictures", "--quiet")
+        told = re.search(r"found at [0-9.]+ of the way from the step before: give ([0-9.]+) of it or less", done.stderr)
+        assert told is not None, done.stderr
+        less = 0.01 + float(told[1]) * (1.0 - 0.01)
+        done = self.sunder(MEMBRANE.replace("[0.01, 1]", f"[0.01, {less}]"), "run", "--no-pictures", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        loose = STRIP.replace("  supports { edges: U_MIN kind: CLAMPED }\n", "")
+        done = self.sunder(loose, "run", "--no-pictures", "--quiet")
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertIn("support it so that it cannot move as a whole", done.stderr)
+        done = self.sunder(STRIP, "run", "--no-pictures", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_shells_that_seams_join_are_in_equilibrium_together(self) -> None:
         done = self.sunder(RING, "run", "--no-pictures", "--quiet")
         self.assertEqual(done.returncode, 0, done.stderr)
