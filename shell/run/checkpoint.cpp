@@ -58,7 +58,7 @@ void archive(A& a, RelaxationResult& r) {
 template <class A>
 void archive(A& a, ShellPart& part) {
   archive_all(a, part.coefficients, part.detached_since, part.rubble, part.edges_seen, part.next_measure, part.changed,
-              part.initial_step, part.smallest_step, part.equilibrium, part.hertz_speed, part.hertz_kept,
+              part.closest, part.initial_step, part.smallest_step, part.equilibrium, part.hertz_speed, part.hertz_kept,
               part.hertz_until, part.hertz_windows, part.local.every, part.local.alone);
 }
 

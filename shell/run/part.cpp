@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
@@ -88,6 +89,56 @@ std::vector<EdgeCut> ShellPart::cut(double now, double span, std::uint64_t& rand
   return on_edges;
 }
 
+bool ShellPart::note_squeezed() {
+  const ShellModel& m = model();
+  const RowTables& t = m.tables;
+  const std::size_t stride = t.component_stride;
+  const auto left_out = [&] {
+    std::vector<char> out(stride, 0);
+    for (std::size_t i = 0; i < stride; ++i) out[i] = state->motion.detached[i] != 0 || state->motion.mass[i] == 0.0;
+    for (const GatheredPoint& g : state->cracked.gathered) {
+      if (g.in_rows) continue;
+      for (const GatheredFunction& f : g.functions) out[f.slot] = 1;
+      if (g.kind == PointKind::kDead)  // its control points are loose
+        for (int k = 0; k < t.support() * t.support(); ++k)
+          out[t.slot((g.block / (t.gauss * t.gauss) + k / t.support()) * t.columns + g.lane + k % t.support())] = 1;
+    }
+    return out;
+  };
+  const auto squared = [stride](const std::vector<double>& x, int a, int b) {
+    double sum = 0.0;
+    for (std::size_t d = 0; d < 3 * stride; d += stride) sum += (x[d + a] - x[d + b]) * (x[d + a] - x[d + b]);
+    return sum;
+  };
+  std::vector<char> out;
+  std::vector<std::pair<int, float>> nearer;  // control points, and their least distances now
+  bool any = false;
+  for (int j = 0; j < t.rows; ++j)
+    for (int i = 0; i < t.columns; ++i) {
+      const int here = t.slot(j * t.columns + i);
+      const double known = closest.empty() ? 1.0 : closest[here];
+      double least = known * known;
+      for (const auto& [di, dj] : {std::pair{1, 0}, {0, 1}, {1, 1}, {-1, 1}}) {
+        if (i + di < 0 || i + di >= t.columns || j + dj >= t.rows) continue;
+        const int there = t.slot((j + dj) * t.columns + i + di);
+        const double now = squared(state->motion.x, here, there), rest = squared(m.rest, here, there);
+        if (!(now < least * rest)) continue;
+        if (out.empty()) out = left_out();
+        if (out[here] == 0 && out[there] == 0) least = now / rest;
+      }
+      const double ratio = std::sqrt(least);
+      if (ratio < known) nearer.emplace_back(j * t.columns + i, static_cast<float>(ratio));
+      any = any || ratio < kCloser * known;
+    }
+  if (!any) return false;
+  if (closest.empty()) closest.assign(stride, 1.0f);
+  for (const auto& [point, ratio] : nearer) {
+    const float known = std::exchange(closest[t.slot(point)], std::min(closest[t.slot(point)], ratio));
+    if (ratio < 0.5 * (1.0 + kCloser) * known) changed.push_back(m.parameter[point]);
+  }
+  return true;
+}
+
 void ShellPart::measure_step(std::int64_t window, int threads, const std::vector<const ShellModel*>& shells) {
   const ShellModel& m = model();
   const auto& edges = state->cracks.graph.edges();
@@ -96,8 +147,10 @@ void ShellPart::measure_step(std::int64_t window, int threads, const std::vector
   if (setup->fracture.damages() && window % kDamagedStepWindows == 0)  // damaged points may be strained strongly
     for (const GatheredPoint& g : state->cracked.gathered)
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
-  if (changed.empty() || window < next_measure) return;
-  double local = stable_step(m, *state, kLocalIterations, threads, setup->can_crack(), changed);
+  const bool squeezed = note_squeezed();
+  if (changed.empty() || (window < next_measure && !squeezed)) return;
+  const int iterations = squeezed ? kSqueezedIterations : kLocalIterations;
+  double local = stable_step(m, *state, iterations, threads, setup->can_crack(), changed);
   if (m.has_fibres()) local = stable_step_with_fibres(local, shells);
   smallest_step = std::min(smallest_step, local);
   changed.clear();

@@ -62,6 +62,8 @@ struct ShellPart {
   std::size_t edges_seen = 0;                  // number of crack edges when the stable step was last updated
   std::int64_t next_measure = 0;               // number of the window from which it may be measured again
   std::vector<Vec2> changed;  // places where shape functions or masses have changed since the last measurement
+  // Of each control point: least distance to a neighbour, over that at rest, at which the step was measured; empty: 1.
+  std::vector<float> closest;
   std::shared_ptr<const Triangulation> triangulated;  // the last triangulation for counting
   CrackLoops loops;
   double initial_step = 0.0, smallest_step = 0.0;  // stable steps [s]
@@ -94,9 +96,13 @@ struct ShellPart {
   /// Criteria that act at the start of a window insert their edges: cuts that are due up to `span` [s] after `now` [s].
   /// Returns the parts of seams that they open.
   std::vector<EdgeCut> cut(double now, double span, std::uint64_t& random);
-  /// Measures the stable step again near changes by cracks. `window` is the number of the window, `shells` are all of
-  /// the run, whose fibres this one may touch.
+  /// Measures the stable step again near changes by cracks, and where control points have come closer: what is squeezed
+  /// is stiffer and shorter. `window` is the number of the window, `shells` are all of the run, whose fibres this one
+  /// may touch.
   void measure_step(std::int64_t window, int threads, const std::vector<const ShellModel*>& shells);
+  /// Adds to `changed` where the shell was squeezed since the last measurement. Returns whether it was. Control points
+  /// beside cracks are left out: they move past one another.
+  bool note_squeezed();
   /// Marks pieces without control points that have been handed off before.
   void mark_rubble(PartPieces& now) const;
   /// Returns a triangulation for counting pieces. Cracks that have grown within a piece may be missing, and knots are:

@@ -10,6 +10,7 @@
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
 #include "shell/solver/cracking/damage_cracks.h"
+#include "shell/solver/parting/pieces.h"
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/damaging_panel.h"
 #include "tests/shell/fixtures.h"
@@ -96,6 +97,76 @@ TEST(ShellPart, MeasuresItsStepWhereCracksAreNewAndNotInEachWindow) {
   part.measure_step(kStepWindows, 1, {});
   EXPECT_TRUE(part.changed.empty());
   EXPECT_LE(part.smallest_step, first);
+}
+
+// What is squeezed is stiffer and shorter. Turning, moving and stretching the sheet do nothing.
+TEST(ShellPart, MeasuresItsStepAgainWhereItIsSqueezed) {
+  Sheet sheet;
+  ShellPart& part = sheet.part;
+  const ShellModel& m = part.model();
+  ShellState& s = *part.state;
+  const std::vector<double> rest = s.motion.x;
+  const std::size_t stride = m.tables.component_stride;
+  const auto squeeze = [&](double along, double from) {  // beyond x = from
+    for (int i = 0; i < m.control_points(); ++i) {
+      const int slot = m.tables.slot(i);
+      const double x = rest[slot], shift = x > from ? (along - 1.0) * (x - from) : 0.0;
+      s.motion.x[slot] = rest[stride + slot], s.motion.x[stride + slot] = 3.0 + x + shift;
+    }
+  };
+  const double intact = stable_step(m, s, kStepIterations, 1, false);
+  part.initial_step = part.smallest_step = intact;
+  for (const double none : {1.0, 1.5, 0.96}) {
+    squeeze(none, -1.0);
+    part.measure_step(0, 1, {});
+    EXPECT_EQ(part.smallest_step, intact) << none;
+  }
+  for (const double along : {0.7, 0.5}) {
+    squeeze(along, 0.02);
+    part.measure_step(0, 1, {});
+    const double whole = stable_step(m, s, kStepIterations, 1, false);
+    EXPECT_LT(whole, 0.8 * intact);
+    EXPECT_NEAR(part.smallest_step, whole, 0.05 * whole) << along;
+    EXPECT_TRUE(part.changed.empty());
+  }
+  part.smallest_step = 1.0;
+  part.measure_step(100, 1, {});  // not squeezed further
+  EXPECT_EQ(part.smallest_step, 1.0);
+  squeeze(0.47, 0.02);
+  part.measure_step(101, 1, {});
+  EXPECT_LT(part.smallest_step, intact);
+}
+
+// Control points that move past one another across a crack are no squeezed shell, nor are those of pieces that have
+// left, nor those of rubble.
+TEST(ShellPart, IsNotSqueezedWhereACrackPassesOrAPieceHasLeftOrThereIsRubble) {
+  enum { kCracked, kLeft, kRubble };
+  for (const int how : {kCracked, kLeft, kRubble}) {
+    Sheet sheet;
+    ShellPart& part = sheet.part;
+    ShellState& s = *part.state;
+    const ShellModel& m = part.model();
+    const RowTables& t = m.tables;
+    const Eigen::AlignedBox2d all = domain_of(m);
+    const double middle = all.center().x();
+    if (how == kCracked) sheet.cut({{middle, all.min().y()}, {middle, all.max().y()}});
+    part.edges_seen = s.cracks.graph.edges().size();
+    for (int block = 0; block < t.blocks() && how == kRubble; ++block)
+      for (int lane = 0; lane < m.patch.knots_u.spans(); ++lane) {
+        if (gauss_point(m.patch, t, block, lane).parameter.x() < middle) continue;
+        GatheredPoint& g = s.cracked.gathered[gather_point(m, s, block, lane)];
+        g.kind = PointKind::kDead, g.functions.clear();
+      }
+    for (int i = 0; i < m.control_points(); ++i) {
+      const int slot = t.slot(i);
+      if (m.parameter[i].x() < middle) continue;
+      s.motion.x[slot] -= 0.9 * m.spacing;
+      if (how == kLeft) s.motion.detached[slot] = 1;
+    }
+    part.initial_step = part.smallest_step = 1.0;
+    part.measure_step(0, 1, {});
+    EXPECT_EQ(part.smallest_step, 1.0) << how;
+  }
 }
 
 // A sharp fold that was spent keeps the step of the whole shell, which never grows again.
