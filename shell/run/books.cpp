@@ -8,6 +8,7 @@
 #include "coupler/core/error.h"
 #include "shell/io/sampling_gaps.h"
 #include "shell/run/audit.h"
+#include "shell/solver/finite.h"
 
 namespace sunder::shell {
 namespace {
@@ -134,22 +135,13 @@ void Books::check_stable(Simulation& simulation, double energy, std::int64_t win
   if (const double by_engine = -simulation.state.engine_loss; gain > 0.0 && by_engine > 0.5 * gain)
     added_by_engine(simulation, by_engine, window);
   Error e(Exit::kPhysics, "unstable",
-          fmt::format("the energy has changed by {:.3g} J: {}; lower time_step_safety, or refine", gain,
-                      unstable_shell(simulation)));
+          fmt::format("{}: {}; {}",
+                      std::isfinite(gain) ? fmt::format("the energy has changed by {:.3g} J", gain)
+                                          : std::string("the energy is no number"),
+                      unstable_shell(simulation),
+                      unstable_remedy({simulation.model.setup.safety, simulation.model.setup.time_step})));
   e.window = window;
   throw e;
-}
-
-void check_finite(const std::vector<Proxy>& bodies, std::int64_t window) {
-  for (const Proxy& p : bodies) {
-    if (p.body.motion.position.allFinite() && p.body.motion.velocity.allFinite()) continue;
-    Error e(Exit::kPhysics, "unstable",
-            fmt::format("the motion of '{}' is not finite: what it touches is unstable; lower time_step_safety, or "
-                        "refine",
-                        p.body.name));
-    e.window = window, e.body = p.body.name;
-    throw e;
-  }
 }
 
 std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual, double rubble) {

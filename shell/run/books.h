@@ -45,9 +45,6 @@ struct Books {
   void check_stable(Simulation& simulation, double energy, std::int64_t window) const;
 };
 
-/// Throws Error (unstable) where a body's position or velocity is not finite.
-void check_finite(const std::vector<Proxy>& bodies, std::int64_t window);
-
 /// Returns warnings about the run, one sentence each. `coupling_residual` is the sum of the windows' energy residuals
 /// [J], `rubble` the share of Gauss points that bear nothing.
 std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual, double rubble);

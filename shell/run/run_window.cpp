@@ -4,6 +4,7 @@
 
 #include "shell/run/flight.h"
 #include "shell/run/run.h"
+#include "shell/solver/finite.h"
 #include "shell/solver/joining/seam_cracks.h"
 
 namespace sunder::shell {
@@ -106,7 +107,7 @@ void Run::take_substeps(const WindowSteps& steps) {
   else
     simulation_.take_substeps(steps.n, steps.dt, steps.last, clock_, look);
   recorder_.traced("substeps", begin);
-  check_finite(simulation_.state.bodies, clock_.windows);
+  check_finite(simulation_.state.bodies, clock_.windows, {setup_.safety, setup_.time_step});
 }
 
 void Run::note_push(double time) {

@@ -47,6 +47,9 @@ void shift_bodies(const Vec3& velocity, std::vector<Proxy>& bodies) {
     if (p.is_free()) p.body.motion.velocity += velocity;
 }
 
+// [of the last equilibrium]: near the largest load, a search in other steps ends somewhat earlier or later.
+constexpr double kSurely = 0.9;
+
 // Says what is left, and what would do.
 std::string no_equilibrium(const std::string& name, const RelaxationResult& r, double tolerance, int step) {
   const std::string out = fmt::format(
@@ -55,10 +58,12 @@ std::string no_equilibrium(const std::string& name, const RelaxationResult& r, d
       std::isfinite(r.residual) ? fmt::format("leave {:.3g} of the loads, more than {:.3g}", r.residual, tolerance)
                                 : "move it without bound");
   if (r.share > 0.0)
-    return out + fmt::format(
-                     "the last equilibrium was found at {0:.3g} of {1}: give less than that, or support it more; it is "
-                     "the last frame",
-                     r.share, step > 1 ? "the way from the step before" : "loads, weight and motion of supports");
+    return out +
+           fmt::format(
+               "the last equilibrium was found at {0:.3g} of {1}: give {2:.3g} of it or less, or support it more; "
+               "it is the last frame",
+               r.share, step > 1 ? "the way from the step before" : "loads, weight and motion of supports",
+               kSurely * r.share);
   if (step > 1) return out + "none was found at 0.002 of the way from the step before: end load_factors there";
   return out + "none was found at 0.002 of the loads either: support it so that it cannot move as a whole";
 }
@@ -395,8 +400,12 @@ void Simulation::take_substeps(int n, double dt, double last, const Clock& clock
       }
       if (++state.substeps % kCompressionInterval == 0)
         for (const ShellPart& part : state.shells) check_compression(part.model(), *part.state);
-      if (state.substeps % kFiniteInterval == 0)
-        for (const ShellPart& part : state.shells) check_finite(part.model(), *part.state, clock.time() + (k + 1) * dt);
+      if (state.substeps % kFiniteInterval == 0) {
+        const StepRule rule{setup_.safety, setup_.time_step};
+        for (const ShellPart& part : state.shells)
+          check_finite(part.model(), *part.state, clock.time() + (k + 1) * dt, rule);
+        check_finite(state.bodies, clock.windows, rule);
+      }
     } catch (Error& e) {
       e.window = clock.windows;
       throw;
