@@ -60,7 +60,8 @@ TEST(CheckParts, RefusesWhatNoMessageMayCarry) {
       EXPECT_EQ(e.kind, "parts");
       EXPECT_EQ(e.status, Exit::kPhysics);
       EXPECT_EQ(e.window, 3);
-      for (const std::string& says : {std::string("pane_remains"), std::to_string(parts), std::to_string(corners)})
+      for (const std::string& says : {std::string("pane_remains"), std::to_string(parts), std::to_string(corners),
+                                      std::string("take larger elements")})
         EXPECT_NE(std::string(e.what()).find(says), std::string::npos) << e.what();
     }
   }
