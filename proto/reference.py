@@ -43,15 +43,16 @@ A new field takes these steps. There is no field that nothing reads.
    (the head of `scene.proto` has the rules). This page is made from it by `/usr/bin/python3 -B proto/reference.py`.
 2. **Default**: a member with that value in the plain struct that the field is read into: `RunSetup` or `CouplingRules`
    (`shell/io/build.h`), `ShellSetup` (`shell/io/shell_setup.h`), or the rules that it holds. Those of a material are members
-   of `ShellMaterial` (`shell/solver/model.h`), which `build_shell.cpp` fills. Some defaults depend on other fields; they
-   stand in the reader.
+   of `ShellMaterial` (`shell/solver/model.h`), which `build_shell.cpp` fills. Defaults that depend on
+   other fields, and some constant ones, stand in the reader.
 3. **Reader**: `shell/io/build.cpp` for the run, bodies and output, `build_shell.cpp` and `shell_setup.cpp` for shells and
    fracture, `build_soft.cpp` for soft bodies,
    `build_driven.cpp` for motions and shapes of bodies, `build_seams.cpp` for seams, `build_mass_scaling.cpp` for added mass,
    `probes.cpp` for probes, `cuts.cpp`, `trims.cpp`, `strength_factors.cpp`, `thickness_factors.cpp` and `space_places.cpp`
    for what is drawn on shells, `ring_sectors.cpp` for rings, `cad_file.cpp` and `mesh_parts.cpp` for files.
 4. **Check**: of the value alone in `coupler/scene/validate*.cpp`; against the model (spacing, other shells, supports) in its
-   reader, by `scene.check`. Fields of the session are checked in `coupler/link/messages.cpp`.
+   reader, by `scene.check`. A new source in
+   `coupler/scene/` is listed in `coupler/CMakeLists.txt`. Fields of the session are checked in `coupler/link/messages.cpp`.
 5. **Test**: a bad value is refused, in `tests/coupler/scene/`.
 """
 SESSION_HEAD = """\

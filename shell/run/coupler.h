@@ -21,9 +21,9 @@ struct BirthErrors {
   double mass = 0.0, momentum = 0.0, angular_momentum = 0.0;
 };
 /// Records the relative errors of a birth in `most`. Throws Error (ledger) where one is above `tolerance` or not a
-/// number.
+/// number. `where` it was born and `whose` mass and momentum the errors are shares of are words of the message.
 void check_birth(BirthErrors& most, const RigidBody& body, const BirthErrors& found, double tolerance,
-                 const char* where, std::int64_t window);
+                 const char* where, const char* whose, std::int64_t window);
 
 /// Throws Error where the engine lacks a capability that the scene needs; the message names both.
 void check_engine(const RunSetup& setup, const link::EngineInfo& peer);

@@ -64,16 +64,16 @@ void Coupler::check_ledger(double window, double dt) {
 }
 
 void check_birth(BirthErrors& most, const RigidBody& b, const BirthErrors& found, double tolerance, const char* where,
-                 std::int64_t window) {
+                 const char* whose, std::int64_t window) {
   // The new value comes first: max() keeps its first argument when one is NaN.
   most.mass = std::max(found.mass, most.mass), most.momentum = std::max(found.momentum, most.momentum);
   most.angular_momentum = std::max(found.angular_momentum, most.angular_momentum);
   if (found.mass <= tolerance && found.momentum <= tolerance && found.angular_momentum <= tolerance)
     return;  // NaN is not
   Error e(Exit::kPhysics, "ledger",
-          fmt::format("the birth of '{}' {}: {:.3g} of its mass, {:.3g} of its momentum and {:.3g} of its "
+          fmt::format("the birth of '{0}' {1}: {3:.3g} of {2} mass, {4:.3g} of {2} momentum and {5:.3g} of {2} "
                       "angular momentum are missing",
-                      b.name, where, found.mass, found.momentum, found.angular_momentum));
+                      b.name, where, whose, found.mass, found.momentum, found.angular_momentum));
   e.window = window, e.body = b.name;
   throw e;
 }
@@ -88,7 +88,8 @@ void Coupler::check_births(const std::vector<RigidBody>& births, const std::vect
       const BirthErrors found{std::abs(s.mass - b.mass) / b.mass,
                               (s.mass * s.motion.velocity - momentum).norm() / scale,
                               (s.motion.angular_momentum - b.motion.angular_momentum).norm() / turn};
-      check_birth(birth_errors_, b, found, exact ? kBirthTolerance : kSingleTolerance, "in the engine", clock_.windows);
+      check_birth(birth_errors_, b, found, exact ? kBirthTolerance : kSingleTolerance, "in the engine", "its",
+                  clock_.windows);
     }
 }
 

@@ -113,7 +113,7 @@ void Pieces::check_handoff(const Totals& before, const Totals& after, const Rigi
   const BirthErrors found{relative(std::abs(after.mass + b.mass - before.mass), before.mass),
                           relative((after.momentum + p - before.momentum).norm(), before.momentum_scale),
                           relative((after.angular + l - before.angular).norm(), before.angular_scale)};
-  check_birth(coupler_.birth_errors(), b, found, kBirthTolerance, "from the shell", clock_.windows);
+  check_birth(coupler_.birth_errors(), b, found, kBirthTolerance, "from the shell", "all shells'", clock_.windows);
 }
 
 Pieces::PartBoxes Pieces::everywhere() const {

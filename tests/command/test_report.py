@@ -217,7 +217,7 @@ class Reporting(unittest.TestCase):
         self.assertIn("| all others, roof | abc | 2000-01-02 |", self.page())
         self.assertIn("| share | def | 2000-01-03 |", self.page())
         self.assertEqual(results.read_all(self.top / "validation" / "results")[0].newest["commit"], "def")
-        self.assertIn("| abc–def | 2000-01-03 |", results.status(results.read_all(self.top / "validation" / "results")))
+        self.assertIn("| abc–def | 2000-01-02–03 |", results.status(results.read_all(self.top / "validation" / "results")))
         self.assertEqual(self.report("shells", "--case", "share", found={"cases": CASES["cases"][1:2]}), 0)  # its rows have other names now
         self.assertNotIn("share_1", self.page())
         self.assertEqual(self.report("shells", found=CASES), 0)  # the whole suite replaces all

@@ -211,7 +211,7 @@ def status(results: list[Result]) -> str:
     """Returns one line for each suite, for the place between the two marks."""
     lines = ["| suite | outcome | minutes | commit | date |", "| --- | --- | --: | --- | --- |"]
     lines += [f"| {result.suite} | {result.in_words(MOST_NAMED)} | {result.seconds / 60.0:.1f} | "
-              f"{_commits(result)} | {_cell(result.newest.get('date'))} |"
+              f"{_commits(result)} | {_dates(result)} |"
               for result in results if result.suite != FIRST_USE]
     return "\n".join([FIRST, *(lines if results else ["No suite has been reported yet."]), LAST])
 
@@ -232,6 +232,15 @@ def _commits(result: Result) -> str:
     newest = _cell(result.newest.get("commit"))
     oldest = next((commit for commit in commits if commit != newest), newest)
     return newest if oldest == newest else f"{oldest}–{newest}"
+
+
+def _dates(result: Result) -> str:
+    """Returns the date of all runs, or those of the oldest and the newest: 2026-11-28–30."""
+    newest = _cell(result.newest.get("date"))
+    oldest = min((_cell(run.circumstances.get("date")) for run in result.runs.values()), default=newest)
+    if oldest == newest:
+        return newest
+    return f"{oldest}–{newest.removeprefix(oldest[:8]) if oldest[:8] == newest[:8] else newest}"
 
 
 def put_status(readme: Path, results: list[Result]) -> None:

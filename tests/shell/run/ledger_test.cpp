@@ -100,14 +100,14 @@ TEST(Birth, KeepsTheLargestErrorsAndRefusesLargerOnesThanTheTolerance) {
   RigidBody b;
   b.name = "shard_4";
   BirthErrors most;
-  check_birth(most, b, {1e-12, 3e-11, 0.0}, kBirthTolerance, "here", 3);
-  check_birth(most, b, {2e-12, 1e-11, 5e-11}, kBirthTolerance, "here", 3);
+  check_birth(most, b, {1e-12, 3e-11, 0.0}, kBirthTolerance, "here", "its", 3);
+  check_birth(most, b, {2e-12, 1e-11, 5e-11}, kBirthTolerance, "here", "its", 3);
   EXPECT_EQ(most.mass, 2e-12);
   EXPECT_EQ(most.momentum, 3e-11);
   EXPECT_EQ(most.angular_momentum, 5e-11);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const BirthErrors& wrong : {BirthErrors{2e-10, 0, 0}, {0, 2e-10, 0}, {0, 0, 2e-10}, {nan, 0, 0}, {0, 0, nan}}) {
     BirthErrors none;
-    EXPECT_THROW(check_birth(none, b, wrong, kBirthTolerance, "here", 3), Error);
+    EXPECT_THROW(check_birth(none, b, wrong, kBirthTolerance, "here", "its", 3), Error);
   }
 }
