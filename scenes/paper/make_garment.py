@@ -119,7 +119,7 @@ def scene_text(spacing_m: float) -> list[str]:
     for panel in panels():
         (nu, nv), (wide, high) = panel.spans(), lengths(panel)
         counts = [max(1, round(length / (spans * spacing_m))) * spans for length, spans in ((wide, nu), (high, nv))]
-        out += ["shells {", f'  name: "{panel.name}"', '  material: "cloth"', "  thickness_m: 0.005", "  nurbs {",
+        out += ["shells {", f'  name: "{panel.name}"', '  material: "cloth"', "  thickness_m: 0.003", "  nurbs {",
                 *(f"    knots_{axis}: [{', '.join(number(k) for k in open_knots(spans))}]" for axis, spans in
                   (("u", nu), ("v", nv))), f"    elements_u: {counts[0]} elements_v: {counts[1]}"]
         out += ["    " + " ".join(f"control_points {{ x: {number(x)} y: {number(y)} z: {number(z)} }}" for x, y, z in row)
