@@ -388,12 +388,14 @@ void Simulation::take_substeps(int n, double dt, double last, const Clock& clock
   shift_bodies(-0.5 * dt * setup_.gravity, state.bodies);
   for (ShellSetup& s : setup_.shells)  // results do not depend on the number of threads
     s.fracture.tips.threads = std::min(model.threads, scratch.pace.threads());
+  const StepRule rule{setup_.safety, setup_.time_step};
   for (int k = 0; k < n; ++k) {
     share_kick(1.0 / n);
     for (Proxy& p : state.bodies) p.drive(clock.time() + k * dt, dt);
     state.soft_most = n - k, state.in_window = k;
-    substep(model, state, scratch, dt, k == 0 ? last : dt);
     try {
+      if (state.soft_left == 0) state.soft.check_finite(clock.time() + k * dt, rule);
+      substep(model, state, scratch, dt, k == 0 ? last : dt);
       if (state.fibres) {
         Stopwatch w(scratch.times[Stage::kFibres]);
         state.fibres->advance(refs(), dt);
@@ -401,7 +403,6 @@ void Simulation::take_substeps(int n, double dt, double last, const Clock& clock
       if (++state.substeps % kCompressionInterval == 0)
         for (const ShellPart& part : state.shells) check_compression(part.model(), *part.state);
       if (state.substeps % kFiniteInterval == 0) {
-        const StepRule rule{setup_.safety, setup_.time_step};
         for (const ShellPart& part : state.shells)
           check_finite(part.model(), *part.state, clock.time() + (k + 1) * dt, rule);
         check_finite(state.bodies, clock.windows, rule);

@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "coupler/core/error.h"
+
 namespace sunder::shell {
 namespace {
 
@@ -39,6 +41,20 @@ const std::vector<SoftRef>& SoftBodies::refs() {
   refs_.clear();
   for (std::size_t i = 0; i < models_.size(); ++i) refs_.push_back({&models_[i], &states_[i]});
   return refs_;
+}
+
+void SoftBodies::check_finite(double time, const StepRule& rule) const {
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    const SoftState& s = states_[i];
+    for (std::size_t p = 0; p < s.x.size(); ++p) {
+      if (s.x[p].allFinite() && s.v[p].allFinite() && s.f[p].allFinite()) continue;
+      const Vec3& rest = models_[i].rest[p];
+      throw Error(Exit::kPhysics, "unstable",
+                  fmt::format("soft body '{}' is unstable: at {:.6g} s the motion of its particle that was made at "
+                              "({:.4g}, {:.4g}, {:.4g}) is not finite; {}",
+                              models_[i].name, time, rest.x(), rest.y(), rest.z(), unstable_remedy(rule)));
+    }
+  }
 }
 
 int SoftBodies::begin(const Vec3& gravity, double dt, int left, double safety, std::vector<Proxy>& bodies,

@@ -6,6 +6,7 @@
 #include "shell/soft/soft_contact.h"
 #include "shell/soft/soft_proxy.h"
 #include "shell/soft/soft_state.h"
+#include "shell/solver/finite.h"
 
 namespace sunder::shell {
 
@@ -45,6 +46,9 @@ class SoftBodies {
   void step(const Vec3& gravity, double dt, double safety, std::vector<Proxy>& bodies) {
     begin(gravity, dt, 1, safety, bodies, {}, 1), touch({}, dt), finish(1);
   }
+  /// Throws Error (unstable) where a particle's position, velocity or deformation is not finite. The message names the
+  /// body, the place where the particle was made, the time [s] and a remedy. Call it before begin().
+  void check_finite(double time, const StepRule& rule) const;
   /// Makes the next step look up again which places of the shells can be touched.
   void forget() { contact_.forget(); }
   template <class A>

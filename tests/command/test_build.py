@@ -26,6 +26,36 @@ from ..validation import programs
 from . import REPOSITORY
 
 
+class Fresh(unittest.TestCase):
+    """The real build files, asked what they would build: nothing is compiled."""
+
+    def test_the_suite_of_engines_is_built_where_no_test_was(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            root = Path(os.path.realpath(name))
+            for path in REPOSITORY.iterdir():
+                if path.name not in ("build", "runs", ".git"):
+                    (root / path.name).symlink_to(path)
+            log = root / "build" / build.LOG
+
+            def ask(command: list[str], to: Path, cwd: Path | None = None, on_line: Any = None) -> int:
+                if command[1] == "--build":  # ninja lists what these targets need; it knows no target that is not configured
+                    command = ["ninja", "-C", command[2], "-t", "commands", *command[4:-2]]
+                return logged.run_logged(command, to, cwd, on_line)
+
+            with mock.patch.object(build, "REPOSITORY", root), mock.patch.object(build, "run_logged", ask), \
+                    mock.patch.object(build, "ensure_installed"), mock.patch.dict(os.environ), \
+                    mock.patch.object(first_use, "_built_in", None), contextlib.redirect_stderr(io.StringIO()) as said:
+                os.environ.pop(BUILD_DIR_VARIABLE, None)
+                build.ensure_built()
+                of_a_run = log.read_text()
+                build.ensure_built(targets=("sunder-conformance",))  # as `validate engines` asks for it
+                of_the_suite = log.read_text()
+        self.assertIn("-o rigid/sunder-rigid", of_a_run)
+        self.assertNotIn("-o tests/sunder-conformance", of_a_run)
+        self.assertIn("-o tests/sunder-conformance", of_the_suite)
+        self.assertEqual(said.getvalue().count("sunder: configuring"), 2, "the tests' build files were not there before")
+
+
 class Building(unittest.TestCase):
     def setUp(self) -> None:
         temporary = tempfile.TemporaryDirectory()

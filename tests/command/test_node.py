@@ -20,7 +20,8 @@ from unittest import mock
 
 from sunder_tools.errors import CommandError
 from sunder_tools import places
-from sunder_tools.launch import node
+from sunder_tools.launch import engines, node
+from sunder_tools.launch.build import Executables
 
 from . import REPOSITORY
 
@@ -207,6 +208,17 @@ class Places(unittest.TestCase):
                     self.assertNotEqual(places.npm_folder("node", sources), root / "nowhere")
                     (place / "node" / places.LOCK_FILE).write_text("{}")
                     self.assertEqual(places.npm_folder("node", sources), place / "node")
+
+    def test_a_list_of_engines_downloads_nothing_into_a_named_build(self) -> None:
+        with tempfile.TemporaryDirectory() as name, mock.patch.dict(os.environ, {places.BUILD_DIR_VARIABLE: name}), \
+                mock.patch.object(places, "work_folder", lambda: Path(name) / "work"), \
+                mock.patch.object(engines, "names", lambda _: list(engines.NODE_PROGRAMS)), \
+                mock.patch.object(node, "ensure_packages") as packages, mock.patch.object(node, "ensure_installed") as install:
+            listed = engines.table(Executables(*[Path(name) / "none"] * 3))
+            for engine in ("jolt", "mujoco"):
+                self.assertRegex(listed, f"(?m)^{engine} +- +not here: --rigid {engine} downloads it to {name}/node$")
+            packages.assert_not_called()
+            install.assert_not_called()
 
     def test_a_named_build_installs_no_node_js(self) -> None:
         with mock.patch.dict(os.environ, {places.BUILD_DIR_VARIABLE: "/nowhere"}), \

@@ -42,6 +42,12 @@ class Reference(unittest.TestCase):
         self.assertGreater(len(links), 30)
         self.assertEqual(links - headings, set())
 
+    def test_the_page_of_engines_says_which_number_a_reply_has(self) -> None:
+        # rules_turn.sequence of the conformance suite holds engines to it
+        page = (TOP / "rigid" / "README.md").read_text()
+        self.assertIn("A reply has the number that was due. A request with another number is refused, and the refusal still has the "
+                      "number that was due.", page)
+
     def test_parts_of_a_comment(self) -> None:
         said = REFERENCE.parse(" [m/s] Of the ball.\n Default: 0\n Excludes: launch, is_static\n Needs: a name\n")
         self.assertEqual((said.unit, said.meaning), ("m/s", "Of the ball."))

@@ -384,6 +384,9 @@ class Names(unittest.TestCase):
         words = f"rows of the probe are {rows:g} s apart; give at least {4 * rows:g}, or lower window_s"
         self.refused(words, measure=sunder.impact("pellet", interval_s=3.9 * rows))
         self.assertTrue(self.series(measure=sunder.impact("pellet", interval_s=4.0 * rows)).plan())
+        said = " ".join(str(sunder.impact.__doc__).split())
+        self.assertIn("It is at least four rows of the probe, better ten. A row is a window", said)
+        self.assertIn("the force over a window grows without limit as windows get shorter", said)
 
     def test_what_measures_refuse_is_told_beside_other_faults(self) -> None:
         self.refused("(?s:'lineer' is no field.*)no body 'pelet'; did you mean 'pellet'",

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
-from ..places import REPOSITORY
+from ..places import REPOSITORY, has_packages, named_build, npm_folder
 from ..words import command_line, did_you_mean
 from .build import Executables, ensure_built, how_dart_comes
 from .own_time import OwnTime
@@ -20,6 +20,7 @@ from .socket_dir import SocketDir
 IN_PROCESS = "inprocess"
 IPC = "ipc://"
 DART = "dart"  # installed and built with its first run
+NODE_SOURCES = REPOSITORY / "rigid" / "jolt"  # its packages serve both engines under Node.js
 NODE_PROGRAMS = {name: REPOSITORY / "rigid" / name / f"sunder-rigid-{name}" for name in ("jolt", "mujoco")}
 PERIOD_S = 0.02     # between two looks
 LAST_WORDS_S = 2.0  # for either side to end after the other
@@ -175,10 +176,22 @@ def hello(rigid: Rigid, executables: Executables, keys: Path | None = None) -> d
     return answer
 
 
+def _lacking(name: str) -> str:
+    """Why an engine under Node.js cannot be asked without a download into a build that SUNDER_BUILD_DIR names, and what
+    gets it; '' where it can. A list downloads nothing there."""
+    if name not in _under_node() or named_build() is None:
+        return ""
+    folder = npm_folder("node", NODE_SOURCES)
+    return "" if has_packages(folder, NODE_SOURCES) else f"not here: --rigid {name} downloads it to {folder}"
+
+
 def table(executables: Executables) -> str:
     """The table that `sunder engines` prints."""
     lines = []
     for name in names(executables):
+        if lacking := _lacking(name):
+            lines.append(f"{name:<12} -          {lacking}")
+            continue
         try:
             who = hello(resolve(name, executables), executables)
             words = who["capabilities"]

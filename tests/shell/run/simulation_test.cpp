@@ -14,6 +14,7 @@
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/rig.h"
+#include "tests/shell/soft_blocks.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -187,6 +188,35 @@ TEST(Simulation, FindsABadNumberWithinAFewSubsteps) {
     EXPECT_LE((Vec2(u, v) - place).lpNorm<Eigen::Infinity>(), kFiniteInterval * 2.0 * 0.2 / 8) << e.what();
   }
   EXPECT_LE(done, kBad + kFiniteInterval);
+}
+
+// In the soft bodies' next step, which spans several substeps: which body, and where the particle was made.
+TEST(Simulation, FindsABadParticleOfASoftBodyInItsNextStep) {
+  RunSetup sheet = setup_of({{brittle_sheet(8)}});
+  for (const bool place : {false, true}) {
+    Rig rig(sheet);
+    const SoftSetup block = soft_blocks::block(Vec3::Constant(0.02), soft_blocks::at({0.0, 0.0, 1.0}), 0.01);
+    rig.now().soft = SoftBodies({block}, 1, soft_blocks::laws(0.0));
+    constexpr double kStep = 1e-7;  // [s]
+    constexpr int kSubsteps = 10'000, kBad = 2, kParticle = 17;
+    const int spanned = static_cast<int>(rig.now().soft.stable_step() / kStep);
+    ASSERT_LT(kBad + spanned, kSubsteps);
+    int done = 0;
+    try {
+      rig.run(kSubsteps, kStep, [&] {
+        SoftState& soft = rig.now().soft.states()[0];
+        if (++done == kBad)
+          (place ? soft.x[kParticle].y() : soft.f[kParticle](1, 1)) = std::numeric_limits<double>::quiet_NaN();
+      });
+      FAIL() << "nothing was found";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind, "unstable");
+      EXPECT_EQ(e.window, 0);
+      EXPECT_EQ(std::string(e.what()).rfind("soft body 'block' is unstable: at ", 0), 0u) << e.what();
+      EXPECT_TRUE(says(e.what(), "lower time_step_safety")) << e.what();
+    }
+    EXPECT_LE(done, kBad + spanned);
+  }
 }
 
 TEST(Simulation, FindsTheLawOfTwoGroupsInEitherOrder) {
