@@ -24,6 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kPhases = 24;          // frames of one period
 constexpr double kFollowing = 1e-6;  // asymmetry of the stiffness that is told
+constexpr double kCoarse = 1.25;     // frequency over that in a run, beyond which elements are told to be too large
 
 /// A mode of one of the shells, or of several that seams join.
 struct Found {
@@ -87,6 +88,19 @@ void draw_all(State& state, const std::vector<Found>& found, double amplitude, c
       drawing.draw(own, part * period, found[k], amplitude, 2.0 * std::numbers::pi * part);
     }
   }
+}
+
+// Warns of modes that elements are too large for: with the lumped masses of a run they are much slower than with those
+// of the shell, and some that move within elements come among the lowest. Empty where there are none.
+std::string too_coarse(const std::vector<Found>& found) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (found[k].mode.frequency > kCoarse * found[k].mode.in_run) numbers.push_back(k + 1);
+  if (numbers.empty()) return "";
+  return fmt::format(
+      "elements are too large for {} {}, whose frequencies exceed those in a run by more than a fifth; take smaller "
+      "ones",
+      numbers.size() == 1 ? "mode" : "modes", fmt::join(numbers, ", "));
 }
 
 // "ring.1+ring.2" of shells that seams join.
@@ -158,6 +172,10 @@ void write_modes(RunSetup setup, const ModesOptions& options, const std::functio
   if (const std::string thick = too_thick(setup.shells, {}); !thick.empty()) {
     warnings.push_back(thick + ", and its frequencies too high");
     notes += "warning: " + warnings.back().get<std::string>() + "\n";
+  }
+  if (const std::string coarse = too_coarse(found); !coarse.empty()) {
+    warnings.push_back(coarse);
+    notes += "warning: " + coarse + "\n";
   }
   const double amplitude = options.amplitude * size_of(state);
   Json modes = Json::array();

@@ -194,6 +194,19 @@ shells {
         self.assertRegex(warning, r"shell 'strip' is 0\.\d+ times as thick as it is wide: .* its frequencies too high")
         self.assertIn(f"warning: {warning}", done.stdout)
 
+    def test_elements_that_are_too_large_for_a_mode_are_told_with_a_remedy(self) -> None:
+        warnings = []
+        for across in (2, 4):  # the second follows the remedy
+            scene = STRIP.replace("elements_x: 16 elements_y: 2", f"elements_x: {8 * across} elements_y: {across}")
+            done = self.sunder(scene, "modes", "--count", "20", "--no-pictures")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            told = json.loads((self.folder / "out" / "modes.json").read_text())
+            high = [mode["mode"] for mode in told["modes"] if mode["frequency_Hz"] > 1.25 * mode["frequency_in_run_Hz"]]
+            named = re.search(r"elements are too large for modes ([\d, ]+), whose .*; take smaller ones", str(told["warnings"]))
+            self.assertEqual([int(number) for number in named[1].split(",")] if named else [], high)
+            warnings.append(told["warnings"])
+        self.assertEqual([len(some) for some in warnings], [1, 0])
+
     def test_a_scene_for_modes_alone_is_told_which_command_takes_it(self) -> None:
         scene = re.sub(r"  equilibrium \{.*\n", "", STRIP)
         done = self.sunder(scene, "run", "--no-pictures")
