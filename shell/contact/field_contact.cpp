@@ -19,10 +19,11 @@ constexpr double kDeep = 0.25;
 constexpr double kBounce = 0.75;
 // In a fold the cosine between the normals of two samples has fallen by more than this.
 constexpr double kTurned = 0.3;
-// Least moment of inertia of fields that turn, as a share of mass times squared distance. At 0.25 a spin would take no
+// Least moment of inertia of fields that turn, as a share of mass times squared distance. At kSound a spin takes no
 // more energy than friction releases by stopping the slip. But then so many fields push without friction that a
-// crumpled sheet passes through itself (validate contact --case crumple_small). The energy of a spin is booked.
-constexpr double kSlender = 0.05;
+// crumpled sheet passes through itself (validate contact --case crumple_small). So it is kSlender while contact may
+// give energy.
+constexpr double kSlender = 0.05, kSound = 0.25;
 
 // Angular velocity [rad/s] that balances `couple` [N m s] for two fields with the sum of inertias `inertia`. False if a
 // part of the couple acts about an axis with a moment of inertia of `least` [kg m^2] or below.
@@ -123,7 +124,7 @@ void FieldContact::find_fields(const std::vector<SurfaceSample>& samples) {
     }
 }
 
-int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
+int FieldContact::push(std::vector<SurfaceSample>& samples, double dt, bool may_give) {
   touches_.clear();
   for (Field& f : fields_)
     if (f.paired) f.momentum = f.change = f.spin = Vec3::Zero(), f.touches = false;
@@ -140,7 +141,7 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
     // surfaces that would touch within the substep are slowed, so that their means just touch at its end; with
     // restitution they bounce already here
     const SurfaceLaw& law = laws_[a.shell][b.shell];
-    const double approach = rel.dot(n), fastest = std::max(law.recovery, -kBounce * approach);
+    const double approach = rel.dot(n), fastest = may_give ? std::max(law.recovery, -kBounce * approach) : 0.0;
     // in the bend of a fold the sides are always too near: they stop here, and samples part them two by two
     const double wanted = pair.gap > 0.0 || pair.fold
                               ? std::min(0.0, -pair.gap / dt)
@@ -161,7 +162,7 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
     touches_.push_back({pair.plane, pair.other, j});
   }
   if (!touches_.empty()) {
-    turn(samples);
+    turn(samples, may_give ? kSlender : kSound);
     for (const int p : near_)
       for (int c = 8 * p; c < 8 * p + 8; ++c) {
         const Field& f = fields_[corners_[c].field];
@@ -243,7 +244,7 @@ double FieldContact::parting(const Close& c, double apart, double approach, doub
 
 // The impulses of two fields act at their centres, which are apart, so they make a couple. Both fields turn to balance
 // it. Fields that cannot turn, such as two of one point each, push along the line between their centres alone.
-void FieldContact::turn(const std::vector<SurfaceSample>& samples) {
+void FieldContact::turn(const std::vector<SurfaceSample>& samples, double slender) {
   for (const int p : near_)
     for (int c = 8 * p; c < 8 * p + 8; ++c) {
       Field& f = fields_[corners_[c].field];
@@ -255,7 +256,7 @@ void FieldContact::turn(const std::vector<SurfaceSample>& samples) {
   for (Touch& t : touches_) {
     Field &a = fields_[t.a], &b = fields_[t.b];
     const Vec3 apart = b.centre() - a.centre();
-    const double least = kSlender * (a.mass + b.mass) * apart.squaredNorm();
+    const double least = slender * (a.mass + b.mass) * apart.squaredNorm();
     Vec3 spin;
     if (spin_for(a.inertia + b.inertia, least, -apart.cross(t.impulse), spin)) {
       a.spin += spin, b.spin += spin;

@@ -42,9 +42,10 @@ class FieldContact {
   const std::vector<int>& near() const { return near_; }
   /// Writes contact impulses into `impulse` of the samples that find() was given, at their present velocities `v`.
   /// Surfaces exchange impulses if they would touch within the substep, touch and approach, or overlap. The impulses
-  /// sum to zero, and so do their moments. May be called again. Returns the number of places that may be in contact,
-  /// folds included.
-  int push(std::vector<SurfaceSample>& samples, double dt);
+  /// sum to zero, and so do their moments. May be called again. Without `may_give`, impulses only take energy: surfaces
+  /// that overlap stop, and fields turn only where the spin costs no more than the stop has taken. Returns the number
+  /// of places that may be in contact, folds included.
+  int push(std::vector<SurfaceSample>& samples, double dt, bool may_give = true);
 
   /// Calls f(a, b, impulse) for what shell b has got from shell a in the last push(), place by place [N s]; `samples`
   /// are those of that push(). All shells together get nothing. Where shells are joined, a surface is of several: an
@@ -106,7 +107,7 @@ class FieldContact {
   std::vector<std::vector<Part>> parts_of_fields(const std::vector<SurfaceSample>& samples) const;
   bool one(const Field& f, const SurfaceSample& first, const SurfaceSample& p) const;
   void find_fields(const std::vector<SurfaceSample>& samples);
-  void turn(const std::vector<SurfaceSample>& samples);
+  void turn(const std::vector<SurfaceSample>& samples, double slender);
   void find_folds(const std::vector<SurfaceSample>& samples, double dt);
 
   double spacing_;

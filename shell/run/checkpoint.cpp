@@ -80,6 +80,7 @@ void archive_state(A& a, const RunSetup& setup, State& state) {
   }
   archive_all(a, state.stitching, state.seam_strength, state.seam_damage, state.shell_impulse);
   state.soft.archive_state(a);
+  if (state.contact) state.contact->archive_state(a);
   for (ShellPart& part : state.shells) {
     archive_one(a, part);
     char solved = part.state ? 1 : 0;

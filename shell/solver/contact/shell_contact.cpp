@@ -16,12 +16,14 @@ constexpr int kPasses = 2;
 // with this share, nor with a larger one that leaves it in more motion (validate contact --case crumple_small).
 constexpr double kRecoveryOfWave = 0.01, kFastestRecovery = 1.0;
 
+double recovery_of(const ShellModel& a, const ShellModel& b) {
+  return std::min(kFastestRecovery, kRecoveryOfWave * std::min(a.wave_speed(), b.wave_speed()));
+}
+
 std::vector<std::vector<SurfaceLaw>> with_recovery(const std::vector<const ShellModel*>& shells,
                                                    std::vector<std::vector<SurfaceLaw>> laws) {
   for (std::size_t i = 0; i < shells.size(); ++i)
-    for (std::size_t k = 0; k < shells.size(); ++k)
-      laws[i][k].recovery =
-          std::min(kFastestRecovery, kRecoveryOfWave * std::min(shells[i]->wave_speed(), shells[k]->wave_speed()));
+    for (std::size_t k = 0; k < shells.size(); ++k) laws[i][k].recovery = recovery_of(*shells[i], *shells[k]);
   return laws;
 }
 
@@ -31,16 +33,18 @@ double widest(const std::vector<const ShellModel*>& shells) {
   return h;
 }
 
-// Applies impulse j [N s] to a control point and books its work.
-void push(ShellState& s, int slot, const Vec3& j, double dt) {
+// Applies impulse j [N s] to a control point and books its work. Returns the energy [J] that it has taken.
+double push(ShellState& s, int slot, const Vec3& j, double dt) {
   const double mobility = s.motion.inverse_mass[slot];
   s.count_contact(slot, j);
   if (mobility == 0.0) s.pass_to_supports(slot, j);
-  if (mobility == 0.0 || j.isZero(0.0)) return;
+  if (mobility == 0.0 || j.isZero(0.0)) return 0.0;
   // Velocity at the time of the positions, half a kick earlier.
   const Vec3 back = 0.5 * dt * mobility * s.at(s.motion.force, slot);
-  s.book.contact -= j.dot(s.velocity(slot) + 0.5 * mobility * j - back);
+  const double taken = -j.dot(s.velocity(slot) + 0.5 * mobility * j - back);
+  s.book.contact += taken;
   s.add_velocity(slot, mobility * j);
+  return taken;
 }
 
 }  // namespace
@@ -52,6 +56,10 @@ ShellContact::ShellContact(const std::vector<const ShellModel*>& shells, const s
   for (const ShellModel* m : shells) {
     impulses_.emplace_back(m->tables.component_stride, Vec3::Zero());
     touched_.emplace_back();
+    double mass = 0.0, fastest = 0.0;
+    for (const double part : m->mass) mass += part;
+    for (const ShellModel* other : shells) fastest = std::max(fastest, recovery_of(*m, *other));
+    lent_ += 0.5 * mass * fastest * fastest;
   }
 }
 
@@ -107,14 +115,15 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
     each_function(p, [&](int slot, double n) { q.x += n * s.position(slot), q.v += n * s.velocity(slot); });
   }
   if (!fields_.find(samples_, dt)) return 0;
-  const int touching = fields_.push(samples_, dt);
+  const bool may_give = taken_ > -lent_;
+  const int touching = fields_.push(samples_, dt, may_give);
   for (int pass = 1; touching > 0; ++pass) {
     add_impulses_to_control_points(shells, dt);
     if (exchanged)
       fields_.each_exchange(samples_, [&](int a, int b, const Vec3& j) {
         if (a != b) exchanged(a, b, j);
       });
-    separate_folds(shells, dt, exchanged);
+    separate_folds(shells, dt, may_give, exchanged);
     if (pass == kPasses) break;
     if (share) share();
     for (const int p : fields_.near()) {
@@ -122,7 +131,7 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
       q.v.setZero();
       each_function(p, [&](int slot, double n) { q.v += n * shells[q.shell].state->velocity(slot); });
     }
-    fields_.push(samples_, dt);
+    fields_.push(samples_, dt, may_give);
   }
   return touching;
 }
@@ -132,7 +141,8 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
 // stopped with that mass, and separated with their own, or control points would be thrown. A held control point counts
 // as free; otherwise the last free one beside it would be thrown. Beside dependent control points, which pass impulses
 // on later, the samples' own mass is used for stopping too.
-void ShellContact::separate_folds(const std::vector<ShellRef>& shells, double dt, const Exchange& exchanged) {
+void ShellContact::separate_folds(const std::vector<ShellRef>& shells, double dt, bool may_give,
+                                  const Exchange& exchanged) {
   for (const FieldContact::Close& c : fields_.folds()) {
     const Vec3 line = samples_[c.q].x - samples_[c.p].x;
     const double apart = line.norm();
@@ -161,13 +171,14 @@ void ShellContact::separate_folds(const std::vector<ShellRef>& shells, double dt
       if (inverse == 0.0 && s.motion.mass[p.slot] > 0.0) inverse = 1.0 / s.motion.mass[p.slot];
       mobility += p.share * p.share * inverse;
     }
-    const double wanted = FieldContact::parting(c, apart, approach, dt);
+    const double parting = FieldContact::parting(c, apart, approach, dt),
+                 wanted = may_give ? parting : std::min(parting, 0.0);
     if (mobility == 0.0 || approach >= wanted) continue;
     const double stop = std::max(0.0, std::min(wanted, 0.0) - approach), rest = wanted - approach - stop;
     const double own = 1.0 / (1.0 / samples_[c.p].mass + 1.0 / samples_[c.q].mass);
     const double given = std::min(own, 1.0 / mobility);
     const double j = (depends ? given * stop : stop / mobility) + given * rest;
-    for (const Share& p : parting_) push(*shells[p.shell].state, p.slot, p.share * j * n, dt);
+    for (const Share& p : parting_) taken_ += push(*shells[p.shell].state, p.slot, p.share * j * n, dt);
     if (const int a = samples_[c.p].shell, b = samples_[c.q].shell; exchanged && a != b) exchanged(a, b, j * n);
   }
 }
@@ -186,7 +197,7 @@ void ShellContact::add_impulses_to_control_points(const std::vector<ShellRef>& s
   for (std::size_t k = 0; k < shells.size(); ++k) {
     ShellState& s = *shells[k].state;
     for (const int slot : touched_[k]) {
-      push(s, slot, impulses_[k][slot], dt);
+      taken_ += push(s, slot, impulses_[k][slot], dt);
       impulses_[k][slot].setZero();
     }
     touched_[k].clear();

@@ -3,6 +3,7 @@
 // (contact/field_contact.h).
 #include <functional>
 
+#include "coupler/core/archive.h"
 #include "shell/contact/field_contact.h"
 #include "shell/solver/contact/near_tiles.h"
 
@@ -26,11 +27,20 @@ class ShellContact {
           const Exchange& exchanged = {});
   /// Makes the next substep look up candidates again.
   void forget() { age_ = 0; }
+  /// Energy [J] that impulses have taken so far, and how much more than that they may give: it parts what overlaps from
+  /// the start. Once that is given, contact only takes. Else a fold that is tighter than its shell is thick would make
+  /// energy in each substep.
+  double taken() const { return taken_; }
+  double lent() const { return lent_; }
+  template <class A>
+  void archive_state(A& a) {
+    archive_one(a, taken_);
+  }
   int candidates() const { return static_cast<int>(samples_.size()); }
 
  private:
   void refresh(const std::vector<ShellRef>& shells, double dt);
-  void separate_folds(const std::vector<ShellRef>& shells, double dt, const Exchange& exchanged);
+  void separate_folds(const std::vector<ShellRef>& shells, double dt, bool may_give, const Exchange& exchanged);
   void add_impulses_to_control_points(const std::vector<ShellRef>& shells, double dt);
   void add_samples(const ShellRef& shell, const Tile& tile);
   /// Calls f(slot, value) for each function of a sample.
@@ -54,6 +64,8 @@ class ShellContact {
   std::vector<std::vector<int>> touched_;          // scratch: slots of each shell
   std::vector<Share> parting_;                     // scratch: of two samples
   int age_ = 0;
+  double taken_ = 0.0;
+  double lent_ = 0.0;  // kinetic energy of all shells at the speeds at which overlaps are taken back
 };
 
 }  // namespace sunder::shell

@@ -62,6 +62,16 @@ TEST(FieldContact, TakesAnOverlapBackNoFasterThanTheLawSays) {
   EXPECT_NEAR(impulse_on_two(slow, 0.5, Vec3::Zero()).z(), 1.5 * 0.25, 1e-15);
 }
 
+TEST(FieldContact, StopsAnOverlapThatItMayNotTakeBack) {
+  for (const double speed : {0.0, -2.0}) {
+    FieldContact contact = two_shells({});
+    std::vector<SurfaceSample> samples = two_points(0.5, Vec3(0, 0, speed));
+    ASSERT_TRUE(contact.find(samples, kStep));
+    contact.push(samples, kStep, false);
+    EXPECT_NEAR(samples[1].impulse.z(), -1.5 * speed, 1e-15);
+  }
+}
+
 // Friction at two points that are apart would turn the pair.
 TEST(FieldContact, OnePointPushesAnotherAlongTheLineBetweenThem) {
   const Vec3 impulse = impulse_on_two({}, 0.25, Vec3(1, 0, -2));
