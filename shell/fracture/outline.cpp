@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <queue>
+#include <set>
 #include <tuple>
 
 #include <CGAL/convex_hull_2.h>
@@ -13,18 +14,46 @@
 
 namespace sunder::shell {
 
-Outline outline_of(const Triangulation& t, int piece) {
-  Cdt cdt;
-  std::map<std::pair<int, int>, int> edges;  // undirected edge -> number of triangles of the piece that have it
+namespace {
+
+struct Edges {
+  std::vector<std::pair<int, int>> border, inner;  // vertices; inner: cracks with the piece on both sides
+};
+
+Edges edges_of(const Triangulation& t, int piece) {
+  struct Seen {
+    int triangles = 0;
+    bool crack = false;
+  };
+  std::map<std::pair<int, int>, Seen> seen;  // undirected edge -> triangles of the piece that have it
   for (const int i : t.triangles_of(piece))
     for (int k = 0; k < 3; ++k) {
       const int a = t.triangles[i][(k + 1) % 3], b = t.triangles[i][(k + 2) % 3];
-      ++edges[{std::min(a, b), std::max(a, b)}];
+      Seen& edge = seen[{std::min(a, b), std::max(a, b)}];
+      ++edge.triangles, edge.crack |= t.crack[i][k] != 0;
     }
-  for (const auto& [edge, count] : edges)
-    if (count == 1) cdt.insert_constraint(point(t.vertices[edge.first]), point(t.vertices[edge.second]));
+  Edges out;
+  for (const auto& [edge, found] : seen) {
+    if (found.triangles == 1) out.border.push_back(edge);
+    if (found.triangles == 2 && found.crack) out.inner.push_back(edge);
+  }
+  return out;
+}
+
+Outline outline_by(const Triangulation& t, const Edges& edges) {
+  Cdt cdt;
+  for (const auto& [a, b] : edges.border) cdt.insert_constraint(point(t.vertices[a]), point(t.vertices[b]));
+  std::set<std::pair<Cdt::Vertex_handle, Cdt::Vertex_handle>> inner;  // both ways
+  for (const auto& [a, b] : edges.inner) {
+    const Cdt::Vertex_handle from = cdt.insert(point(t.vertices[a])), to = cdt.insert(point(t.vertices[b]));
+    cdt.insert_constraint(from, to);
+    inner.emplace(from, to), inner.emplace(to, from);
+  }
   for (auto it = cdt.all_faces_begin(); it != cdt.all_faces_end(); ++it) it->info() = -1;
-  // inside by parity of constrained edges crossed from infinity
+  const auto is_inner = [&](Cdt::Face_handle face, int k) {
+    return inner.contains({face->vertex(cdt.ccw(k)), face->vertex(cdt.cw(k))});
+  };
+  // inside by parity of edges of the border crossed from infinity
   std::vector<Cdt::Face_handle> front{cdt.infinite_face()};
   cdt.infinite_face()->info() = 0;
   while (!front.empty()) {
@@ -33,7 +62,7 @@ Outline outline_of(const Triangulation& t, int piece) {
     for (int k = 0; k < 3; ++k) {
       const auto next = face->neighbor(k);
       if (next->info() >= 0) continue;
-      next->info() = face->info() + (face->is_constrained(k) ? 1 : 0);
+      next->info() = face->info() + (face->is_constrained(k) && !is_inner(face, k) ? 1 : 0);
       front.push_back(next);
     }
   }
@@ -46,11 +75,19 @@ Outline outline_of(const Triangulation& t, int piece) {
     if (it->info() % 2 == 0) continue;
     out.triangles.push_back({it->vertex(0)->info(), it->vertex(1)->info(), it->vertex(2)->info()});
     for (int k = 0; k < 3; ++k)
-      if (it->neighbor(k)->info() % 2 == 0)
+      if (it->neighbor(k)->info() % 2 == 0 || is_inner(it, k))
         out.border.push_back({it->vertex((k + 1) % 3)->info(), it->vertex((k + 2) % 3)->info()});
   }
   return out;
 }
+
+}  // namespace
+
+Outline outline_of(const Triangulation& t, int piece) { return outline_by(t, {edges_of(t, piece).border, {}}); }
+
+bool has_inner_cracks(const Triangulation& t, int piece) { return !edges_of(t, piece).inner.empty(); }
+
+Outline outline_with_cracks(const Triangulation& t, int piece) { return outline_by(t, edges_of(t, piece)); }
 
 std::vector<std::vector<Vec2>> convex_parts(const Outline& outline, double tolerance) {
   struct Polygon {

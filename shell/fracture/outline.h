@@ -16,6 +16,11 @@ struct Outline {
 
 Outline outline_of(const Triangulation& t, int piece);
 
+/// True where a crack ends within the piece: it is on both sides of it.
+bool has_inner_cracks(const Triangulation& t, int piece);
+/// The outline with the cracks that end within the piece: `border` holds both sides of each.
+Outline outline_with_cracks(const Triangulation& t, int piece);
+
 /// Convex polygons that cover the outline: its triangles, merged while the hull of each adds less than `tolerance`
 /// [m^2].
 std::vector<std::vector<Vec2>> convex_parts(const Outline& outline, double tolerance);

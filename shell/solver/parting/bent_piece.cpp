@@ -271,21 +271,22 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
     }
   if (is_bent(m, rest, t, piece, kDrawnFlat * thickness))
     return add_rest(m, draw_prisms(rest, t, piece, m.largest_thickness(), drawn), drawn);
+  const Outline seen = has_inner_cracks(t, piece) ? outline_with_cracks(t, piece) : outline;
   const int first = static_cast<int>(drawn.points.size());
-  for (const Vec2& p : outline.vertices) {
+  for (const Vec2& p : seen.vertices) {
     drawn.points.emplace_back(), drawn.points.emplace_back();
     faces(p, drawn.points[drawn.points.size() - 2], drawn.points.back());
   }
   const auto low = [&](int v) { return first + 2 * v; };
-  for (const auto& c : outline.triangles) {
+  for (const auto& c : seen.triangles) {
     drawn.triangles.push_back({low(c[0]) + 1, low(c[1]) + 1, low(c[2]) + 1});
     drawn.triangles.push_back({low(c[0]), low(c[2]), low(c[1])});
   }
-  for (const auto& [a, b] : outline.border) {
+  for (const auto& [a, b] : seen.border) {
     drawn.triangles.push_back({low(a), low(b), low(b) + 1});
     drawn.triangles.push_back({low(a), low(b) + 1, low(a) + 1});
   }
-  add_rest(m, outline.vertices, drawn);
+  add_rest(m, seen.vertices, drawn);
 }
 
 void add_rest(const ShellModel& m, const std::vector<Vec2>& parameters, DrawnMesh& drawn) {

@@ -63,6 +63,27 @@ TEST(Outline, HasTheAreaOfItsPieceAndABorderAroundIt) {
   }
 }
 
+// A slit of 0.06 m that ends within a square of 0.2 m, and the border around it.
+TEST(Outline, HasBothSidesOfACrackThatEndsWithinItsPiece) {
+  const ShellModel m = brittle_sheet(10);
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  const auto length = [](const Outline& o) {
+    double sum = 0.0;
+    for (const auto& [a, b] : o.border) sum += (o.vertices[b] - o.vertices[a]).norm();
+    return sum;
+  };
+  std::vector<Piece> pieces;
+  EXPECT_FALSE(has_inner_cracks(partition(m, s, pieces), 0));
+  insert_polyline(m, s, {{0.07, 0.11}, {0.13, 0.11}}, 0.0);
+  const Triangulation t = partition(m, s, pieces);
+  ASSERT_EQ(t.pieces, 1);
+  EXPECT_TRUE(has_inner_cracks(t, 0));
+  const Outline without = outline_of(t, 0), with = outline_with_cracks(t, 0);
+  EXPECT_NEAR(length(without), 0.8, 1e-12);
+  EXPECT_NEAR(length(with), 0.8 + 2.0 * 0.06, 1e-9);
+  EXPECT_NEAR(area_of(with), pieces[0].area, 1e-12);
+}
+
 TEST(ConvexParts, CoverAnLExactlyByConvexPolygons) {
   std::vector<Piece> pieces;
   const Triangulation t = corner_cut_out(pieces);
