@@ -21,8 +21,11 @@ std::unique_ptr<sunder::link::RigidLink> connect(const std::string& endpoint, co
   std::unique_ptr<Transport> transport;
   if (!o.replay.empty())
     transport = std::make_unique<ReplayTransport>(o.replay);
-  else
-    transport = channel_to(endpoint, o.keys, o.rigid_process);
+  else {
+    auto channel = channel_to(endpoint, o.keys, o.rigid_process);
+    if (o.interrupted != nullptr) channel->give_up_when([flag = o.interrupted] { return flag->load(); });
+    transport = std::move(channel);
+  }
   if (!o.record.empty()) transport = std::make_unique<RecordingTransport>(std::move(transport), o.record);
   return std::make_unique<RemoteRigid>(std::move(transport), o.scene_hash, o.heard);
 }

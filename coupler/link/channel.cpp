@@ -139,6 +139,12 @@ struct Channel::Sockets {
     if (std::exchange(told_waiting, true)) return;
     fmt::print(stderr, "sunder: {}{} {} yet, after {:.0f} of {:g} s\n", peer, named, what, had_s, most_s);
   }
+  /// The same of an answer that may take any time.
+  void tell_at_work(const std::string& what, double had_s) {
+    if (std::exchange(told_waiting, true)) return;
+    fmt::print(stderr, "sunder: {}{} has not answered {} yet, after {:.0f} s; what it says is in rigid.log\n", peer,
+               named, what, had_s);
+  }
   /// Why nobody came, and what to do about it.
   std::string not_there(double connect_s) const {
     const std::string late = fmt::format("{}{} did not connect within {:g} s", peer, named, connect_s);
@@ -407,9 +413,12 @@ void Channel::wait_for_close() {
   }
 }
 
+void Channel::give_up_when(std::function<bool()> give_up) { give_up_ = std::move(give_up); }
+
 std::string Channel::receive(double connect_s, double deadline_s, const char* what) {
   double looked = now_(), silent = 0.0, unconnected = 0.0, unanswered = 0.0;  // [s]
-  std::optional<OwnTime> had;  // by the other process while it owes an answer
+  double waited = 0.0, unwanted = 0.0;  // for a message; since it was to be given up [s]
+  std::optional<OwnTime> had;           // by the other process while it owes an answer
   double had_before = 0.0;
   Silence silence;
   zmq::message_t message;
@@ -440,6 +449,13 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     } else if (s_->was_connected) {  // until then the limit of a connection counts
       unanswered += std::min(since, kOneLook * deadline_s);
     }
+    if (s_->was_connected) waited += since;
+    if (give_up_ && give_up_()) unwanted += since;
+    if (unwanted >= kGiveUpSeconds)
+      throw Error(Exit::kInterrupted, "interrupted",
+                  fmt::format("interrupted while {}{} was waited for", s_->peer, s_->named));
+    if (deadline_s == 0.0 && s_->role == Role::kConnect && *what != '\0' && waited >= kTellSeconds)
+      s_->tell_at_work(what, waited);
     silent += since;
     if (silent > kSilentSeconds) s_->tell_if_stopped(), silent = 0.0;
     if (s_->was_connected) silence.look(s_->descriptor(), since);

@@ -2,14 +2,18 @@
 from __future__ import annotations
 
 import argparse
+import ctypes
 import math
 import os
+import signal
 import sys
 from typing import Callable
 
 from .engine import BAD_INPUT, PEER_LOST, Engine
 from .session import Session
 from .wire import CONNECT_S, Lost, Wire
+
+PR_SET_PDEATHSIG = 1  # of linux/prctl.h
 
 
 def main(make: Callable[[], Engine], arguments: list[str] | None = None) -> int:
@@ -20,6 +24,8 @@ def main(make: Callable[[], Engine], arguments: list[str] | None = None) -> int:
     parser.add_argument("--die-with-parent", action="store_true", help="ends when the process that started this one does")
     given = parser.parse_args(arguments)
     parent = os.getppid()
+    if given.die_with_parent:
+        _die_with_parent()
     try:
         # one that ends with its parent waits for as long as that lives, which watches the other side too
         patient = given.die_with_parent and given.endpoint.startswith("ipc://")
@@ -33,6 +39,14 @@ def main(make: Callable[[], Engine], arguments: list[str] | None = None) -> int:
         return _told(f"peer_lost: {error}", PEER_LOST)
     finally:
         wire.close()
+
+
+def _die_with_parent() -> None:
+    """Has the system end this process with its parent, whatever it does then. Elsewhere than on Linux nothing happens."""
+    try:
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+    except (OSError, AttributeError):
+        pass
 
 
 def _serve(wire: Wire, session: Session) -> int:

@@ -119,6 +119,7 @@ int run(const Program& program, int argc, char** argv, std::vector<std::string>&
   options.scene_hash = scene.hash, options.scene_text = scene.text, options.program = program.name;
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
+  options.interrupted = &interrupted;
   options.connect = [&](const RunOptions& o) { return program.connect(where, o); };
   Run run(std::move(setup), options);
   return static_cast<int>(run.execute(interrupted));

@@ -34,6 +34,7 @@ struct RunOptions {
   double until = 0.0;  // [s]; 0: the scene's end
   int threads = 1;
   bool quiet = false;
+  const std::atomic<bool>* interrupted = nullptr;  // ends a wait for the rigid side too; null: nothing does
 };
 
 constexpr std::int64_t kFirstMark = 5;  // [windows]

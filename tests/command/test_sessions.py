@@ -4,7 +4,11 @@ from __future__ import annotations
 import contextlib
 import io
 import subprocess
+import sys
+import tempfile
+import time
 import unittest
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,6 +20,39 @@ from tests.conformance.sessions import unlike
 
 from . import REPOSITORY, sunder
 from .recorded import MASS, MEETS, TICKS, WINDOW_S, WINDOWS, WORDS, Recorder, Sessions, engine_text
+
+
+# A launcher that tells its engine's number, and an engine that sleeps where it should make itself.
+LAUNCHER = """
+import subprocess, sys, time
+engine = subprocess.Popen([sys.executable, "-c", sys.argv[1], "--endpoint", sys.argv[2], "--die-with-parent"])
+print(engine.pid, flush=True)
+time.sleep(3600)
+"""
+SLEEPER = """
+import sys, time
+sys.path.insert(0, {path!r})
+from sunder_engine.serve import main
+print("asleep", flush=True)
+main(lambda: time.sleep(3600))
+"""
+
+
+class Orphan(unittest.TestCase):
+    def test_an_engine_ends_with_its_launcher_whatever_it_does_then(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            launcher = subprocess.Popen([sys.executable, "-c", LAUNCHER, SLEEPER.format(path=str(REPOSITORY / "coupler")),
+                                         f"ipc://{folder}/socket"], stdout=subprocess.PIPE, text=True)
+            assert launcher.stdout is not None
+            words = {launcher.stdout.readline().strip() for _ in range(2)}
+            number, = words - {"asleep"}
+            while not (Path(folder) / "socket").exists():  # it is bound, and asleep from then on
+                time.sleep(0.02)
+            launcher.kill()
+            launcher.wait()
+            launcher.stdout.close()
+            while Path(f"/proc/{number}/cmdline").exists() and Path(f"/proc/{number}/cmdline").read_bytes():
+                time.sleep(0.02)  # for ever, where it stays
 
 
 class Sound(unittest.TestCase):

@@ -247,6 +247,32 @@ TEST(Deadline, OfAProcessThatNeverAnswersNamesTheRequestAndTheAddress) {
   }
 }
 
+// A window may take any time. That it does is said once, and a user who has had enough is not kept.
+TEST(Answer, ThatTakesAnyTimeIsSpokenOfAndGivenUpOnRequest) {
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + folder.path + "/socket";
+  Child mute([&] {
+    Channel channel(Channel::Role::kBind, endpoint);
+    pause();
+    return true;
+  });
+  Channel channel(Channel::Role::kConnect, endpoint, "", fast_seconds);
+  int asked = 0;
+  channel.give_up_when([&] { return ++asked > 20; });
+  ::testing::internal::CaptureStderr();
+  try {
+    channel.ask("word", 0.0, "Window");
+    ADD_FAILURE() << "something answered";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "interrupted");
+    EXPECT_EQ(e.status, Exit::kInterrupted);
+    EXPECT_NE(std::string(e.what()).find("interrupted while the rigid process"), std::string::npos) << e.what();
+  }
+  const std::string told = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(told.find("has not answered Window yet, after "), std::string::npos) << told;
+  EXPECT_EQ(told.find("has not answered", told.find("has not answered") + 1), std::string::npos) << told;
+}
+
 // The clock here runs a hundred times too fast, so a deadline of time would pass while the peer is stopped.
 TEST(Deadline, DoesNotCountTheTimeInWhichThePeerIsStopped) {
   const TemporaryFolder folder;
