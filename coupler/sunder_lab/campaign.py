@@ -102,7 +102,7 @@ class Campaign:
             (self.folder / MARK).touch()  # first: another series that looks in now sees a folder of a series
             (self.folder / MEMBERS).mkdir(exist_ok=True)
         except OSError as error:
-            raise CommandError(f"--out {self.folder}: cannot be written: {error.strerror}") from None
+            raise CommandError(f"--out {self.folder}: cannot be written: {error.strerror}; name a folder that you may write to") from None
         self._handle = os.open(self.folder, os.O_RDONLY | os.O_DIRECTORY)
         try:
             fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

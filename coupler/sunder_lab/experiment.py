@@ -11,12 +11,12 @@ import numpy as np
 
 from sunder_tools.errors import CommandError
 from sunder_tools.pictures.plots import Line, Panel
-from sunder_tools.pictures.units import valued, words_and_unit
+from sunder_tools.pictures.units import scale, valued, words_and_unit
 from sunder_tools.words import did_you_mean
 
 from .campaign import Campaign, Measure, Planned, Settings
 from .forecast import announce
-from .impact import impact
+from .impact import FORCE, INTERVAL, impact
 from .measures import Stated
 from .member import Member
 from .scene import Results, Scene, Value
@@ -101,7 +101,18 @@ class Plot:
                               [(x, y) for x, y, no in dots if not no], hollow=[m.key[self.x] in hollow for m in means],
                               hollow_dots=[(x, y) for x, y, no in dots if no]))
         return Panel(self.title or f"{words_and_unit(self.y)[0]} over {words_and_unit(self.x)[0]}", self.x, self.y, lines, self.logarithmic,
-                     bars=_runs(counts), least=self._least(table), hollow=HOLLOW)
+                     bars="\n".join(filter(None, (self._interval(table), _runs(counts)))), least=self._least(table), hollow=HOLLOW)
+
+    def _interval(self, table: Table) -> str:
+        """Says over which interval a force is taken; '' where it is no such force, or the intervals differ."""
+        if self.y != FORCE or INTERVAL not in table.columns:
+            return ""
+        found = {row[INTERVAL] for row in table if row[self.y] is not None}
+        if len(found) != 1:
+            return ""
+        seconds = float(found.pop())
+        factor, unit = scale("s", [seconds])
+        return f"over {seconds * factor:g} {unit}"
 
     def _least(self, table: Table) -> float | None:
         """Returns where error bars end."""
@@ -206,12 +217,17 @@ class Experiment:
                   if not callable(measure)]
         stated = [name for measure in self._measures() if isinstance(measure, Stated) for name in measure.columns]
         taken = {name.casefold(): name for name in OWN}
+        twice = []
         for name in [*(name for name in parameters if name not in OWN), *stated]:
             other = taken.setdefault(name.casefold(), name)
             if other == name and [*parameters, *stated, *OWN].count(name) > 1:
-                faults.append(f"column '{name}': there is one of that name already")
+                twice.append(name)
             elif other != name:
                 faults.append(f"column '{name}': differs from '{other}' in case only, which is the same name in results.sqlite")
+        if twice := list(dict.fromkeys(twice)):
+            more = f", and of {len(twice) - 1} more" if len(twice) > 1 else ""
+            faults.append(f"column '{twice[0]}': there is one of that name already{more}; leave a measure out, or give names of "
+                          "your own by sunder.gives")
         own = [name for name in OWN if name != "repeat" or self.repeats > 1]
         texts = {"member", "status", "error"} | {name for name, p in parameters.items() if not _numbers(p.values)}
         for plot in self._plots():

@@ -50,7 +50,7 @@ class Forecast:
         told = f"{counted(len(self.checked))}{of} checked in {self.seconds:.2g} s"
         if self.minutes > 0.0:
             told += (f"; {self.runs} runs take at most about {duration(self.minutes)} on one thread, uncracked; "
-                     "cracks can make that three times as long")
+                     "cracks can make that three times as long; starting, bodies and pictures come on top")
             if at_once > 1:
                 told += f"; {at_once} runs at a time: {duration(max(self.minutes / at_once, self.longest))}"
         return [told]

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], for a scene without gravity fie
 UNTOUCHED = 1e-7  # share of the body's momentum that is round-off of the nine digits in probes.csv, over all rows
 NO_PUSH = 1e-3  # share of the largest impulse: contact has ended where less is to come
 SETTLED = 0.02  # last share of the record in which nothing pushes a body whose values are final
+FORCE, INTERVAL = "mean_force_N", "mean_force_interval_s"  # columns of `impact` with an interval
 FEWEST_ROWS = 4  # of the probe, in an interval over which a force is taken
 AT_REST = 1e-9  # share of the first speed: round-off of the nine digits in probes.csv
 LAST_SHARE = 0.1  # last share of the record, in which a body that went through
@@ -121,6 +123,8 @@ class Motion:
 
 def check_interval(interval_s: float) -> None:
     """Raises CommandError where it is no time above zero."""
+    if isinstance(interval_s, bool) or not isinstance(interval_s, Real):
+        raise CommandError(f"interval_s is {interval_s!r}, which is no number; give a time above 0 [s] over which the force is taken")
     if not interval_s > 0.0 or not math.isfinite(interval_s):
         raise CommandError(f"interval_s is {interval_s}; give a time above 0 [s] over which the force is taken")
 
@@ -236,7 +240,7 @@ def impact(body: str | None = None, mass: float | None = None, interval_s: float
     `output.probe_interval_s` is no longer. Keep the interval where windows change. There is no peak of the force without
     one: the default contact acts by impulses. So the force over a window grows without limit as windows get shorter.
     """
-    forces = () if interval_s is None else ("mean_force_N", "mean_force_interval_s")
+    forces = () if interval_s is None else (FORCE, INTERVAL)
 
     def refuse(scene: Scene) -> None:
         struck(scene.message, body, mass)

@@ -246,7 +246,8 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
                      setup.window, until);
   out += fmt::format(
       "time           at most {:.2g} min on one thread, uncracked (measured now: {:.3g} ms a substep)\n"
-      "               cracks can make a substep some three times as long; bodies alone come on top\n",
+      "               cracks can make a substep some three times as long; bodies alone, starting and pictures come on "
+      "top\n",
       substeps * cost / 60.0, 1e3 * cost);
   out += fmt::format("memory         about {:.0f} MB\n", memory);
   return out + warning_lines(scene, setup) + soft_report(scene, setup);

@@ -130,13 +130,13 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
                     "there was. Since "
                     "then they meet as rigid bodies, so its speed and the force on it are not those of a shell that "
                     "gives way: trust "
-                    "them up to that time, or raise fracture.latest_freeze_s until it has left",
-                    audit.frozen_time, audit.beside, 100.0 * share(audit.beside_energy)));
+                    "them up to that time, or raise fracture.{} until it has left",
+                    audit.frozen_time, audit.beside, 100.0 * share(audit.beside_energy),
+                    audit.at_latest ? "latest_freeze_s" : "quiet_time_s"));
   if (share(audit.frozen) > kFrozen)
-    out.push_back(
-        fmt::format("the shell was frozen while it still moved with {:.0f} % of the energy there was: raise "
-                    "fracture.quiet_time_s or latest_freeze_s",
-                    100.0 * share(audit.frozen)));
+    out.push_back(fmt::format(
+        "the shell was frozen while it still moved with {:.0f} % of the energy there was: raise fracture.{}",
+        100.0 * share(audit.frozen), audit.at_latest ? "latest_freeze_s" : "quiet_time_s"));
   return out;
 }
 

@@ -150,12 +150,15 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
       std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return !s.fracture.damage.heals; });
   const bool grid = std::any_of(shells.begin(), shells.end(),
                                 [](const ShellSetup& s) { return s.transfer.kind != Transfer::kDirect; });
+  const RunSetup& setup = simulation.model.setup;
+  const bool at_latest =
+      setup.latest_freeze < setup.end_time && books.frozen_time >= setup.latest_freeze * (1.0 - 1e-9);
   std::vector<std::string> out =
       audit_warnings({books.sum(simulation), books.scale, books.residual, books.contact_returned, coupling_residual,
                       books.frozen_kinetic, grid, keeps, books.crack_surface(simulation), rubble, books.largest_gap,
                       books.window_gap, books.window_gap_time, books.deforming,
                       books.frozen_beside < 0 ? "" : simulation.model.setup.bodies[books.frozen_beside].name,
-                      books.frozen_beside_energy, books.frozen_time});
+                      books.frozen_beside_energy, books.frozen_time, at_latest});
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   if (const std::string whole = never_breaks(shells); !whole.empty()) out.insert(out.begin(), whole);

@@ -90,6 +90,17 @@ class Suites(unittest.TestCase):
         self.assertIn("known beta: fall.height 0.02 (allowed 0.001): it sinks; known: by 20 mm", lines)
         self.assertEqual(json.loads(report.read_text())["engines"]["beta"]["cases"], KNOWN)
 
+    def test_a_cell_keeps_whole_numbers(self) -> None:
+        self.assertEqual(conformance.shortened("FAIL ahead_0.5 3.3e-14, ahead_1 2.0e-14"), "FAIL ahead_0.5...")
+        self.assertEqual(conformance.shortened("known height 2.0e-02"), "known height 2.0e-02")
+
+    def test_a_word_whose_cases_were_all_skipped_is_told(self) -> None:
+        rows: list[dict[str, Any]] = [{**row("hinge", "skipped", None), "needs": ["joints", "boxes"]},
+                                      {**row("fall.height", "pass"), "needs": ["spheres"]}]
+        found = {"mine": {"cases": rows, "capabilities": ["joints", "spheres"]}}
+        self.assertIn("note  mine: it declares 'joints', but no case of that ran: they also need boxes", conformance.table(found))
+        self.assertNotIn("note", conformance.table({"mine": {"cases": rows, "capabilities": ["spheres"]}}))
+
     def test_a_row_that_fails_is_the_status(self) -> None:
         self.assertEqual(self.validate({"alpha": (GOOD, 0), "beta": (BAD, 1)}), 1)
         self.assertIn("FAIL  beta: fall.speed: no reply", self.told.getvalue())

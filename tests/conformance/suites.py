@@ -74,6 +74,30 @@ def by_case(rows: list[Row]) -> dict[str, list[Row]]:
     return cases
 
 
+def shortened(text: str) -> str:
+    """A cell that fits its column: whole words only, so that no number loses its end."""
+    if len(text) <= CELL_CHARS:
+        return text
+    kept = ""
+    for word in text.split(" "):
+        if len(f"{kept} {word}...") > CELL_CHARS:
+            break
+        kept = f"{kept} {word}".lstrip()
+    return kept.rstrip(",") + "..."
+
+
+def untried(name: str, result: dict[str, Any]) -> list[str]:
+    """Lines about words that an engine declares, and whose cases were all skipped for want of another word."""
+    declared = result.get("capabilities", [])
+    lines = []
+    for word in declared:
+        needs = [(set(row["needs"]), row["verdict"]) for row in result["cases"] if word in row["needs"]]
+        if needs and all(verdict == "skipped" for _, verdict in needs):
+            lacks = sorted(set.union(*(some for some, _ in needs)) - set(declared))
+            lines.append(f"note  {name}: it declares '{word}', but no case of that ran: they also need {', '.join(lacks)}")
+    return lines
+
+
 def table(found: dict[str, dict[str, object]]) -> str:
     """Rows are cases, columns engines; what fails comes again below, with its reason."""
     columns = {name: by_case(result["cases"]) for name, result in found.items()}  # type: ignore[arg-type]
@@ -81,8 +105,7 @@ def table(found: dict[str, dict[str, object]]) -> str:
     lines = [f"{'case':<26} " + " ".join(f"{name:<{CELL_CHARS}}" for name in columns)]
     for case in cases:
         cells = [cell(column.get(case, [])) for column in columns.values()]
-        short = [text if len(text) <= CELL_CHARS else text[:CELL_CHARS - 3] + "..." for text in cells]
-        lines.append(f"{case:<26} " + " ".join(f"{text:<{CELL_CHARS}}" for text in short).rstrip())
+        lines.append(f"{case:<26} " + " ".join(f"{shortened(text):<{CELL_CHARS}}" for text in cells).rstrip())
     for name, result in found.items():
         for row in result["cases"]:  # type: ignore[attr-defined]
             if row["verdict"] not in ("fail", "known"):
@@ -90,6 +113,7 @@ def table(found: dict[str, dict[str, object]]) -> str:
             numbers = "" if row["error"] is None else f" {row['error']:.2g} (allowed {row['tolerance']:.1g})"
             word = "FAIL " if row["verdict"] == "fail" else "known"
             lines.append(f"{word} {name}: {row['name']}{numbers}: {row['note']}")
+        lines += untried(name, result)
     return "\n".join(line.rstrip() for line in lines)
 
 

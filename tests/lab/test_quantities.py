@@ -297,6 +297,9 @@ class Plots(InFolder):
                             (sunder.Table([*rows, rows[0]]), "mean ± 95 % interval, 2 to 3 runs a point: take 4 or more"),
                             (sunder.Table(rows * 2), "mean ± 95 % interval, 4 runs a point")):
             self.assertEqual(sunder.Plot("speed", "pieces").panel(table).bars, bars)
+        forces = sunder.Table([{"speed": 1.0, "mean_force_N": 2.0, "mean_force_interval_s": 2e-4}, {"speed": 2.0, "mean_force_N": 3.0,
+                                                                                                 "mean_force_interval_s": 2e-4}])
+        self.assertEqual(sunder.Plot("speed", "mean_force_N").panel(forces).bars, "over 200 µs")
         ends = {name: sunder.Plot("speed", name).panel(sunder.Table(rows)).least for name in ("pieces", "mean_force_N", "height_m", "change")}
         self.assertEqual(ends, {"pieces": 0.0, "mean_force_N": 0.0, "height_m": None, "change": None})
         self.assertEqual(sunder.Plot("speed", "height_m", least=0.5).panel(sunder.Table(rows)).least, 0.5)

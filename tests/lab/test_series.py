@@ -13,7 +13,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
-from typing import Callable
+from typing import Any, Callable, cast
 
 from . import REPOSITORY, sweeps
 import sunder
@@ -392,6 +392,17 @@ class Names(unittest.TestCase):
         self.refused("(?s:'lineer' is no field.*)no body 'pelet'; did you mean 'pellet'",
                      parameters={"speed": sunder.Parameter([1.0], "bodies[pellet].twist.lineer.z")},
                      measure=sunder.impact("pelet"))
+
+    def test_an_interval_of_text_is_refused(self) -> None:
+        self.refused("interval_s is '2e-4', which is no number", measure=sunder.impact("pellet", interval_s=cast(Any, "2e-4")))
+
+    def test_a_column_is_found_by_the_begin_of_its_name(self) -> None:
+        self.refused("no column 'residual'; did you mean 'residual_velocity_m_per_s'",
+                     measure=sunder.impact("pellet"), plots=[sunder.Plot("speed", "residual")])
+
+    def test_measures_that_share_columns_are_told_in_one_line(self) -> None:
+        words = "'pieces': there is one of that name already, and of 4 more; leave a measure out, or give names of your own by sunder.gives"
+        self.refused(words, measure=[sunder.fragments(), sunder.fragments()])
 
     def test_names_that_differ_in_case_only_are_refused(self) -> None:
         self.refused("'Pieces': differs from 'pieces' in case only", measure=[sunder.fragments(), sunder.gives("Pieces")(lambda _: {})])

@@ -93,13 +93,19 @@ TEST(Audit, WhatAWindowOrAFreezeLeavesOpenIsNamedWithItsRemedy) {
   a.coupling = 11.0;
   EXPECT_NE(said(a).find("11.0 % of the energy there was is uncertain"), std::string::npos);
   EXPECT_NE(said(a).find("window_s"), std::string::npos);
-  a = sound(), a.frozen = 11.0;
+  a = sound(), a.frozen = 11.0, a.at_latest = true;
   EXPECT_NE(said(a).find("11 %"), std::string::npos);
   EXPECT_NE(said(a).find("latest_freeze_s"), std::string::npos);
-  a = sound(), a.beside = "ball", a.beside_energy = 20.0, a.frozen_time = 2e-3;
+  a = sound(), a.at_latest = true, a.beside = "ball", a.beside_energy = 20.0, a.frozen_time = 2e-3;
   EXPECT_NE(said(a).find("frozen at 0.002 s while 'ball' was beside it and moved with 20 % of the energy"),
             std::string::npos);
   EXPECT_NE(said(a).find("raise fracture.latest_freeze_s until it has left"), std::string::npos);
+  a.at_latest = false;  // a later one would change nothing
+  EXPECT_NE(said(a).find("raise fracture.quiet_time_s until it has left"), std::string::npos);
+  Audit quiet = sound();
+  quiet.frozen = 20.0, quiet.at_latest = false;
+  EXPECT_NE(said(quiet).find("raise fracture.quiet_time_s"), std::string::npos);
+  EXPECT_EQ(said(quiet).find("latest_freeze_s"), std::string::npos);
   a.beside_energy = 0.5;  // it rests, or nearly
   EXPECT_TRUE(audit_warnings(a).empty());
 }
