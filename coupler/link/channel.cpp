@@ -142,8 +142,8 @@ struct Channel::Sockets {
   /// The same of an answer that may take any time.
   void tell_at_work(const std::string& what, double had_s) {
     if (std::exchange(told_waiting, true)) return;
-    fmt::print(stderr, "sunder: {}{} has not answered {} yet, after {:.0f} s; what it says is in rigid.log\n", peer,
-               named, what, had_s);
+    fmt::print(stderr, "sunder: {}{} has not answered {} yet, after {:.0f} s{}\n", peer, named, what, had_s,
+               starting ? "; what it says is in rigid.log" : "");
   }
   /// Why nobody came, and what to do about it.
   std::string not_there(double connect_s) const {
@@ -449,8 +449,8 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     } else if (s_->was_connected) {  // until then the limit of a connection counts
       unanswered += std::min(since, kOneLook * deadline_s);
     }
-    if (s_->was_connected) waited += since;
-    if (give_up_ && give_up_()) unwanted += since;
+    if (s_->was_connected) waited += std::min(since, kOneLook * kTellSeconds);
+    if (deadline_s == 0.0 && give_up_ && give_up_()) unwanted += std::min(since, kOneLook * kGiveUpSeconds);
     if (unwanted >= kGiveUpSeconds)
       throw Error(Exit::kInterrupted, "interrupted",
                   fmt::format("interrupted while {}{} was waited for", s_->peer, s_->named));

@@ -33,7 +33,7 @@ class Channel final : public Transport {
   /// The other side is this process of this machine, which is still starting: until it is connected its own time counts
   /// (coupler/core/own_time.h), and a machine that gives it none is waited for.
   void expect(pid_t process);
-  /// From now on a wait for a message asks `give_up`: where that has been true for kGiveUpSeconds, it throws Error
+  /// From now on a wait without a deadline asks `give_up`: where that has been true for kGiveUpSeconds, it throws Error
   /// (interrupted).
   void give_up_when(std::function<bool()> give_up);
   static constexpr double kGiveUpSeconds = 5.0;

@@ -112,7 +112,7 @@ class Plot:
             return ""
         seconds = float(found.pop())
         factor, unit = scale("s", [seconds])
-        return f"over {seconds * factor:g} {unit}"
+        return f"mean over {seconds * factor:g} {unit}"
 
     def _least(self, table: Table) -> float | None:
         """Returns where error bars end."""
@@ -226,8 +226,8 @@ class Experiment:
                 faults.append(f"column '{name}': differs from '{other}' in case only, which is the same name in results.sqlite")
         if twice := list(dict.fromkeys(twice)):
             more = f", and of {len(twice) - 1} more" if len(twice) > 1 else ""
-            faults.append(f"column '{twice[0]}': there is one of that name already{more}; leave a measure out, or give names of "
-                          "your own by sunder.gives")
+            faults.append(f"column '{twice[0]}': there is one of that name already{more}; leave a measure out, or choose other "
+                          "names, of a measure by sunder.gives")
         own = [name for name in OWN if name != "repeat" or self.repeats > 1]
         texts = {"member", "status", "error"} | {name for name, p in parameters.items() if not _numbers(p.values)}
         for plot in self._plots():

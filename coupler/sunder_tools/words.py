@@ -16,12 +16,13 @@ LIKE = 0.6  # least likeness of a guess, as difflib counts it: 1 is the same wor
 
 
 def nearest(word: str, choices: Iterable[str]) -> list[str]:
-    """The choices most like `word`, best first, [] where none is like it: first those of which it is the begin, up to a
-    dash. Capitals, leading dashes, and - or _ make no difference."""
+    """The choices most like `word`, best first, [] where none is like it: the same word, then those that start with it
+    and a dash. Capitals, leading dashes, and - or _ make no difference."""
     plain: dict[str, str] = {}
     for choice in choices:
         plain.setdefault(_plain(choice), choice)
-    begun = [choice for choice in plain if word and choice.startswith(_plain(word) + "-")]
+    begun = [choice for choice in plain if word and (choice + "-").startswith(_plain(word) + "-")]
+    begun.sort(key=lambda choice: choice != _plain(word))
     like = [choice for choice in difflib.get_close_matches(_plain(word), list(plain), MOST_GUESSES, LIKE) if choice not in begun]
     return [plain[near] for near in (begun + like)[:MOST_GUESSES]]
 

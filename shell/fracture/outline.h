@@ -16,9 +16,9 @@ struct Outline {
 
 Outline outline_of(const Triangulation& t, int piece);
 
-/// True where a crack ends within the piece: it is on both sides of it.
+/// True where the piece is on both sides of a crack: one that ends within it, or around a sliver that was joined to it.
 bool has_inner_cracks(const Triangulation& t, int piece);
-/// The outline with the cracks that end within the piece: `border` holds both sides of each.
+/// The outline with these cracks: `border` holds both sides of each.
 Outline outline_with_cracks(const Triangulation& t, int piece);
 
 /// Convex polygons that cover the outline: its triangles, merged while the hull of each adds less than `tolerance`

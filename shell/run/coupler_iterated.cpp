@@ -22,7 +22,7 @@ void Coupler::iterate_window(int n, double dt, double last, const std::function<
     std::vector<Proxy> proxies;
     std::uint64_t random;
     std::int64_t substeps;
-    double engine_loss;
+    double engine_loss, contact_taken;
   };
   Snapshot start{{},
                  {},
@@ -31,7 +31,8 @@ void Coupler::iterate_window(int n, double dt, double last, const std::function<
                  state_.bodies,
                  state_.random,
                  state_.substeps,
-                 state_.engine_loss};
+                 state_.engine_loss,
+                 state_.contact ? state_.contact->taken() : 0.0};
   for (const ShellPart& part : state_.shells) {
     part.state->caches.trials.clear(), part.state->caches.surroundings = {};  // not copied: they are computed again
     start.states.push_back(*part.state), start.candidates.push_back(part.candidates);
@@ -79,6 +80,7 @@ void Coupler::iterate_window(int n, double dt, double last, const std::function<
       *state_.shells[p].state = start.states[p], state_.shells[p].candidates = start.candidates[p];
     state_.stitching = start.stitching, state_.shell_impulse = start.shell_impulse, state_.bodies = start.proxies,
     state_.random = start.random, state_.substeps = start.substeps, state_.engine_loss = start.engine_loss;
+    if (state_.contact) state_.contact->go_on_from(start.contact_taken);
   }
 }
 

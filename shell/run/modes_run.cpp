@@ -98,7 +98,7 @@ std::string too_coarse(const std::vector<Found>& found) {
     if (found[k].mode.frequency > kCoarse * found[k].mode.in_run) numbers.push_back(k + 1);
   if (numbers.empty()) return "";
   return fmt::format(
-      "elements are too large for {} {}, whose frequencies exceed those in a run by more than a fifth; take smaller "
+      "elements are too large for {} {}, whose frequencies exceed those in a run by more than a quarter; take smaller "
       "ones",
       numbers.size() == 1 ? "mode" : "modes", fmt::join(numbers, ", "));
 }

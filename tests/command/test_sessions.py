@@ -38,6 +38,14 @@ main(lambda: time.sleep(3600))
 """
 
 
+def is_there(process: int) -> bool:
+    """Whether a process lives; one that has ended and waits for its parent does not."""
+    try:
+        return Path(f"/proc/{process}/cmdline").read_bytes() != b""
+    except OSError:
+        return False
+
+
 class Orphan(unittest.TestCase):
     def test_an_engine_ends_with_its_launcher_whatever_it_does_then(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
@@ -51,7 +59,7 @@ class Orphan(unittest.TestCase):
             launcher.kill()
             launcher.wait()
             launcher.stdout.close()
-            while Path(f"/proc/{number}/cmdline").exists() and Path(f"/proc/{number}/cmdline").read_bytes():
+            while is_there(int(number)):
                 time.sleep(0.02)  # for ever, where it stays
 
 

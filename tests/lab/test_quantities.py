@@ -299,7 +299,7 @@ class Plots(InFolder):
             self.assertEqual(sunder.Plot("speed", "pieces").panel(table).bars, bars)
         forces = sunder.Table([{"speed": 1.0, "mean_force_N": 2.0, "mean_force_interval_s": 2e-4}, {"speed": 2.0, "mean_force_N": 3.0,
                                                                                                  "mean_force_interval_s": 2e-4}])
-        self.assertEqual(sunder.Plot("speed", "mean_force_N").panel(forces).bars, "over 200 µs")
+        self.assertEqual(sunder.Plot("speed", "mean_force_N").panel(forces).bars, "mean over 200 µs")
         ends = {name: sunder.Plot("speed", name).panel(sunder.Table(rows)).least for name in ("pieces", "mean_force_N", "height_m", "change")}
         self.assertEqual(ends, {"pieces": 0.0, "mean_force_N": 0.0, "height_m": None, "change": None})
         self.assertEqual(sunder.Plot("speed", "height_m", least=0.5).panel(sunder.Table(rows)).least, 0.5)

@@ -401,7 +401,7 @@ class Names(unittest.TestCase):
                      measure=sunder.impact("pellet"), plots=[sunder.Plot("speed", "residual")])
 
     def test_measures_that_share_columns_are_told_in_one_line(self) -> None:
-        words = "'pieces': there is one of that name already, and of 4 more; leave a measure out, or give names of your own by sunder.gives"
+        words = "'pieces': there is one of that name already, and of 4 more; leave a measure out, or choose other names, of a measure by sunder.gives"
         self.refused(words, measure=[sunder.fragments(), sunder.fragments()])
 
     def test_names_that_differ_in_case_only_are_refused(self) -> None:

@@ -30,7 +30,9 @@ class ShellContact {
   /// Energy [J] that impulses have taken so far, and how much more than that they may give: it parts what overlaps from
   /// the start. Once that is given, contact only takes. Else a fold that is tighter than its shell is thick would make
   /// energy in each substep.
+  /// Dependent control points at seams count as if they were free; what the seam changes of that is not in it.
   double taken() const { return taken_; }
+  void go_on_from(double taken) { taken_ = taken; }
   double lent() const { return lent_; }
   template <class A>
   void archive_state(A& a) {

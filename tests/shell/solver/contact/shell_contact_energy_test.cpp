@@ -25,5 +25,13 @@ TEST(ShellContact, AnOverlapThatStaysMakesNoMoreEnergyThanItsRecoveryNeeds) {
     for (double t = 0.0; t < 0.02; t += dt) rig.step(dt);
     const ShellContact& contact = *rig.now().contact;
     EXPECT_GT(contact.taken(), -2.0 * contact.lent());  // what is lent, and less than as much in the last substep
+    EXPECT_LT(contact.taken(), -contact.lent());        // it is spent
+    ArchiveWriter out;
+    rig.now().contact->archive_state(out);
+    Rig later(setup_of({{layer(0.0)}, {layer(0.002)}}));
+    later.meet();
+    ArchiveReader in(out.bytes.data(), out.bytes.size());
+    later.now().contact->archive_state(in);
+    EXPECT_EQ(later.now().contact->taken(), contact.taken());  // it stays spent in a run that goes on
   }
 }
