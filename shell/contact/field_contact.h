@@ -42,9 +42,9 @@ class FieldContact {
   const std::vector<int>& near() const { return near_; }
   /// Writes contact impulses into `impulse` of the samples that find() was given, at their present velocities `v`.
   /// Surfaces exchange impulses if they would touch within the substep, touch and approach, or overlap. The impulses
-  /// sum to zero, and so do their moments. May be called again. Without `may_give`, impulses only take energy: surfaces
-  /// that overlap stop, and fields turn only where the spin costs no more than the stop has taken. Returns the number
-  /// of places that may be in contact, folds included.
+  /// sum to zero, and so do their moments. May be called again. Without `may_give`,
+  /// surfaces that overlap only stop, and slender fields do not turn. All meetings together take energy then; a single
+  /// one may still make some. Returns the number of places that may be in contact, folds included.
   int push(std::vector<SurfaceSample>& samples, double dt, bool may_give = true);
 
   /// Calls f(a, b, impulse) for what shell b has got from shell a in the last push(), place by place [N s]; `samples`

@@ -28,7 +28,7 @@ class ShellContact {
   /// Makes the next substep look up candidates again.
   void forget() { age_ = 0; }
   /// Energy [J] that impulses have taken so far, and how much more than that they may give: it parts what overlaps from
-  /// the start. Once that is given, contact only takes. Else a fold that is tighter than its shell is thick would make
+  /// the start. Once that is given, overlaps only stop. Else a fold that is tighter than its shell is thick would make
   /// energy in each substep.
   /// Dependent control points at seams count as if they were free; what the seam changes of that is not in it.
   double taken() const { return taken_; }

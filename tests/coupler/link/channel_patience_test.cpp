@@ -223,15 +223,18 @@ TEST(Connecting, TheUserIsToldWhatIsWaitedFor) {
   EXPECT_EQ(told.find("sunder:", 1), std::string::npos) << told;
 }
 
+// Binds the address, and never answers.
+bool binds_and_is_mute(const std::string& endpoint) {
+  Channel channel(Channel::Role::kBind, endpoint);
+  pause();
+  return true;
+}
+
 // It binds, and never says Hello. Its own time counts, which no clock makes faster: so the deadline is short.
 TEST(Deadline, OfAProcessThatNeverAnswersNamesTheRequestAndTheAddress) {
   const TemporaryFolder folder;
   const std::string endpoint = "ipc://" + folder.path + "/socket";
-  Child mute([&] {
-    Channel channel(Channel::Role::kBind, endpoint);
-    pause();
-    return true;
-  });
+  Child mute([&] { return binds_and_is_mute(endpoint); });
   Channel channel(Channel::Role::kConnect, endpoint);
   channel.expect(mute.pid());
   try {
@@ -251,11 +254,7 @@ TEST(Deadline, OfAProcessThatNeverAnswersNamesTheRequestAndTheAddress) {
 TEST(Answer, ThatTakesAnyTimeIsSpokenOfAndGivenUpOnRequest) {
   const TemporaryFolder folder;
   const std::string endpoint = "ipc://" + folder.path + "/socket";
-  Child mute([&] {
-    Channel channel(Channel::Role::kBind, endpoint);
-    pause();
-    return true;
-  });
+  Child mute([&] { return binds_and_is_mute(endpoint); });
   Channel channel(Channel::Role::kConnect, endpoint, "", fast_seconds);
   int asked = 0;
   channel.give_up_when([&] { return ++asked > 30; });
