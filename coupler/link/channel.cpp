@@ -133,7 +133,8 @@ struct Channel::Sockets {
   bool has_told = false;            // a message without a reply went out
   std::optional<OwnTime> starting;  // of the process that is to connect, where it is known
   std::string named;                // that process, for messages: its program and number
-  bool told_waiting = false;        // for a connection, or for an answer
+  bool told_waiting = false;        // for a connection, or for an answer that has a limit
+  bool told_at_work = false;        // that an answer without a limit takes long
   /// Says once on stderr what is waited for, and how long it may take.
   void tell_waiting(const std::string& what, double had_s, double most_s) {
     if (std::exchange(told_waiting, true)) return;
@@ -141,7 +142,7 @@ struct Channel::Sockets {
   }
   /// The same of an answer that may take any time.
   void tell_at_work(const std::string& what, double had_s) {
-    if (std::exchange(told_waiting, true)) return;
+    if (std::exchange(told_at_work, true)) return;
     fmt::print(stderr, "sunder: {}{} has not answered {} yet, after {:.0f} s{}\n", peer, named, what, had_s,
                starting ? "; what it says is in rigid.log" : "");
   }
