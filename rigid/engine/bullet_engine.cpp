@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "rigid/engine/at_touch.h"
 #include "rigid/engine/bullet_caches.h"
 #include "rigid/engine/bullet_shapes.h"
 #include "rigid/engine/bullet_world.h"
@@ -79,6 +80,13 @@ struct Transit {
   BodyMotion start = {};
   Vec3 velocity = Vec3::Zero(), pull = Vec3::Zero();  // of the predicted motion, averages [m/s], [m/s^2]
   Shift solved = {}, relaxed = {};                    // changes of velocities by the two solves [m/s], [rad/s]
+};
+
+/// Two moving bodies, alone with one another, that bounce within the window: as they reach their touch, and their ends.
+struct BouncePair {
+  Transit *first, *second;
+  RigidBody first_touch, second_touch;
+  BodyMotion first_end = {}, second_end = {};
 };
 
 /// Sets the average velocities that lead to the predicted state.
@@ -158,6 +166,7 @@ struct BulletEngine::Impl {
   void start_over(const WorldMemory& memory);
   std::set<BodyId> known(const std::vector<BodyId>& ids, const char* what) const;
   std::vector<Transit> match(const std::vector<PredictedState>& predicted);
+  BouncePair bounce(double window_s, Transit& first, Transit& second, double touch);
   void fly_on(double window_s, std::vector<Transit>& transits, const std::map<BodyId, BulletWorld::Bounce>& bounces);
 };
 
@@ -187,34 +196,62 @@ std::vector<Transit> BulletEngine::Impl::match(const std::vector<PredictedState>
   return transits;
 }
 
-/// Bodies that bounce leave their touch at its time, as far as nothing is in their way. The first solve has changed
-/// their velocities from the window's start, and the second one at its end: both do so at the touch. Two that both move
-/// stay there: the shift is along the normal, and beside their tangential motion it would turn the pair.
+/// Solves the rebound of two moving bodies at their touch, which is at about `touch`.
+BouncePair BulletEngine::Impl::bounce(double window_s, Transit& first, Transit& second, double touch) {
+  BouncePair pair{&first, &second, {}, {}};
+  const auto flight = [](const Transit& t) { return Flight{&t.held->body, t.predicted, t.pull}; };
+  const double kept = world.overlap_kept(first.held->body.id, second.held->body.id) / kLengthScale;
+  const double rest = window_s - touch_time(flight(first), flight(second), window_s, kept, touch);
+  const auto reach = [&](Transit& t) {
+    RigidBody there = before_end(t.held->body, *t.predicted, t.pull, rest);
+    t.held->rigid->setCenterOfMassTransform(bullet_pose(there.motion));
+    t.held->rigid->setLinearVelocity(plain(Vec3(kLengthScale * there.motion.velocity)));
+    t.held->rigid->setAngularVelocity(plain(there.angular_velocity()));
+    return there;
+  };
+  pair.first_touch = reach(first), pair.second_touch = reach(second);
+  world.bounce_apart(window_s, first.held->body.id, second.held->body.id);
+  const auto leave = [&](const Transit& t, RigidBody there) {
+    const Shift by =
+        change(*t.held->rigid, plain(Vec3(kLengthScale * there.motion.velocity)), plain(there.angular_velocity()));
+    there.motion.velocity += by.linear;
+    there.motion.angular_momentum += there.apply_inertia(by.turn);
+    return flown_on(there, t.pull, rest);
+  };
+  pair.first_end = leave(first, pair.first_touch), pair.second_end = leave(second, pair.second_touch);
+  return pair;
+}
+
+/// Bodies that bounce leave their touch at its time, as far as nothing is in their way. On a static body the first
+/// solve has changed their velocities from the window's start, and the second one at its end: both do so at the touch.
+/// Two that both move are solved there anew, and stay at the window's end where their way is not free.
 void BulletEngine::Impl::fly_on(double window_s, std::vector<Transit>& transits,
                                 const std::map<BodyId, BulletWorld::Bounce>& bounces) {
   std::vector<Way> ways;
   std::vector<Held*> helds;
   std::vector<Transit*> movers;  // by way; null where static
   std::map<BodyId, int> way_of;
+  const auto add_way = [&](Held& held, Transit* mover) {
+    helds.push_back(&held), movers.push_back(mover);
+    const BodyMotion& end = held.body.motion;
+    const double bulge = mover ? 0.5 * window_s * (mover->predicted->velocity - mover->velocity).norm() : 0.0;
+    ways.push_back({&held.body, mover ? mover->start : end, end, bulge, mover && mover->fast});
+  };
   auto next = transits.begin();
   for (auto& [id, held] : bodies) {
     way_of[id] = static_cast<int>(ways.size());
-    helds.push_back(&held), movers.push_back(held.body.is_static ? nullptr : &*next);
-    const BodyMotion& end = held.body.motion;
-    if (held.body.is_static) {
-      ways.push_back({&held.body, end, end});
-      continue;
-    }
-    const Transit& t = *next++;
-    const double bulge = 0.5 * window_s * (t.predicted->velocity - t.velocity).norm();
-    ways.push_back({&held.body, t.start, end, bulge, t.fast});
+    add_way(held, held.body.is_static ? nullptr : &*next++);
   }
   std::vector<Departure> departures;
   std::vector<double> rests;
-  for (const auto& [id, bounce] : bounces) {
-    const int first = way_of.at(id), second = way_of.at(bounce.partner);
-    if (movers[first] && movers[second]) continue;
-    const double touch = bounce.touch, rest = window_s - touch;
+  std::vector<BouncePair> pairs;
+  for (const auto& [id, bounce_of] : bounces) {
+    const int first = way_of.at(id), second = way_of.at(bounce_of.partner);
+    const double touch = bounce_of.touch, rest = window_s - touch;
+    if (movers[first] && movers[second]) {
+      if (id < bounce_of.partner) pairs.push_back(bounce(window_s, *movers[first], *movers[second], touch));
+      continue;
+    }
     const auto shift = [&](int i) -> Shift {
       if (!movers[i]) return {};
       const Shift &solved = movers[i]->solved, &relaxed = movers[i]->relaxed;
@@ -222,20 +259,43 @@ void BulletEngine::Impl::fly_on(double window_s, std::vector<Transit>& transits,
     };
     departures.push_back({first, second, shift(first), shift(second)}), rests.push_back(rest);
   }
+  const std::size_t on_static = departures.size();
+  std::map<BodyId, BodyId> partners;
+  for (const BouncePair& p : pairs) {
+    const BodyId first = p.first->held->body.id, second = p.second->held->body.id;
+    partners[first] = second, partners[second] = first;
+    departures.push_back({way_of.at(first), way_of.at(second), shift_between(p.first_touch.motion, p.first_end),
+                          shift_between(p.second_touch.motion, p.second_end)});
+    for (const auto& [t, there] : {std::pair(p.first, &p.first_touch), std::pair(p.second, &p.second_touch)}) {
+      add_way(*t->held, t);  // which it takes where the other one is not free
+      ways[way_of.at(t->held->body.id)].end = there->motion;
+    }
+  }
+  const auto pass = [&](int i, int k) {
+    const BodyId one = ways[i].body->id, other = ways[k].body->id;
+    const auto partner = partners.find(one);
+    return one == other || (partner != partners.end() && partner->second == other) ||
+           linked.count(ordered(one, other)) > 0;
+  };
   const std::vector<double> shares = free_shares(
-      ways, departures, [&](int i) { return helds[i]->faces(); },
-      [&](int i, int k) { return linked.count(ordered(ways[i].body->id, ways[k].body->id)) > 0; });
-  for (std::size_t n = 0; n < departures.size(); ++n) {
+      ways, departures, [&](int i) { return helds[i]->faces(); }, pass);
+  for (std::size_t n = 0; n < on_static; ++n) {
     const Departure& d = departures[n];
-    const bool on_static = !movers[d.first] || !movers[d.second];
     for (const auto& [i, shift] : {std::pair(d.first, &d.first_shift), std::pair(d.second, &d.second_shift)}) {
       if (!movers[i]) continue;
       BodyMotion& end = helds[i]->body.motion;
       if (shares[n] > 0.0) end = shifted(end, *shift, shares[n]);
       const Vec3& pull = movers[i]->pull;  // it does not act in time that is left after a touch with a static body
-      if (shares[n] < 1.0 && on_static)
+      if (shares[n] < 1.0)
         end.velocity -= (rests[n] - time_of(shares[n], shift->linear, end.velocity, pull, rests[n])) * pull;
       helds[i]->rigid->setCenterOfMassTransform(bullet_pose(end));
+    }
+  }
+  for (std::size_t n = 0; n < pairs.size(); ++n) {
+    for (const auto& [t, end] :
+         {std::pair(pairs[n].first, &pairs[n].first_end), std::pair(pairs[n].second, &pairs[n].second_end)}) {
+      if (shares[on_static + n] >= 1.0) t->held->body.motion = *end;
+      t->held->rigid->setCenterOfMassTransform(bullet_pose(t->held->body.motion));
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "rigid/engine/bullet_points.h"
 #include "rigid/engine/bullet_shapes.h"
 #include "rigid/engine/checks.h"
 
@@ -33,30 +34,6 @@ btDefaultCollisionConstructionInfo pool_sizes() {
   info.m_customCollisionAlgorithmMaxElementSize = std::max(
       {PlaneCreateFunc::algorithm_size(), BoxesCreateFunc::algorithm_size(), HullsCreateFunc::algorithm_size()});
   return info;
-}
-
-btVector3 velocity_at(const btCollisionObject& object, const btVector3& world_point) {
-  const btRigidBody* body = btRigidBody::upcast(&object);
-  return body->getVelocityInLocalPoint(world_point - body->getCenterOfMassPosition());
-}
-
-bool is_ball(const btCollisionObject& object) {
-  return object.getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
-}
-
-/// A contact's point of a body at its present pose. That of a ball is where the normal through its centre leaves it,
-/// and does not turn with the ball. `side`: 1 where the normal points into the body, -1 where it points out.
-btVector3 point_on(const btCollisionObject& object, const btVector3& local, const btVector3& normal, double side) {
-  if (!is_ball(object)) return object.getWorldTransform() * local;
-  const double radius = static_cast<const btSphereShape*>(object.getCollisionShape())->getRadius();
-  return object.getWorldTransform().getOrigin() - side * radius * normal;
-}
-
-/// Moves both points of a contact to one: that of a ball, else their middle. Bullet applies the impulse to each body at
-/// its own point. Where these are apart, friction, or a normal that has turned, would create angular momentum.
-void act_at_one_point(btManifoldPoint& point, const btCollisionObject& a, const btCollisionObject& b) {
-  btVector3 &on_a = point.m_positionWorldOnA, &on_b = point.m_positionWorldOnB;
-  on_a = on_b = is_ball(a) ? on_a : is_ball(b) ? on_b : 0.5 * (on_a + on_b);
 }
 
 /// Gap up to which contacts of two bodies are found [Bullet lengths]: the kept gap and the distance that the centres
@@ -91,6 +68,36 @@ void find_listed(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, cons
 }
 
 }  // namespace
+
+/// Impulses of points, from which the next solve starts, kept over another one.
+class BulletWorld::PointMemory {
+ public:
+  explicit PointMemory(const std::vector<Row>& rows) {
+    kept_.reserve(rows.size());
+    for (const Row& row : rows) {
+      const btManifoldPoint& p = *row.point;
+      kept_.push_back({p.m_appliedImpulse, p.m_appliedImpulseLateral1, p.m_appliedImpulseLateral2});
+    }
+  }
+  /// `without`: rows whose impulse along the normal is dropped.
+  template <class Without>
+  void restore(std::vector<Row>& rows, Without without) const {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      btManifoldPoint& point = *rows[i].point;
+      point.m_appliedImpulse = without(rows[i]) ? 0.0 : kept_[i].impulse;
+      point.m_appliedImpulseLateral1 = kept_[i].lateral_1;
+      point.m_appliedImpulseLateral2 = kept_[i].lateral_2;
+      point.m_contactPointFlags &= ~BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+      point.m_contactERP = 0.0;
+    }
+  }
+
+ private:
+  struct Kept {
+    double impulse, lateral_1, lateral_2;
+  };
+  std::vector<Kept> kept_;
+};
 
 int BulletWorld::island(const Row& row) {
   return std::max(row.first->getIslandTag(), row.second->getIslandTag());  // a static body has -1
@@ -368,15 +375,10 @@ std::map<BodyId, BulletWorld::Bounce> BulletWorld::relax(double window_s,
   }
   // Restitution is applied here and not in solve(). There a contact with a gap still closes it in the window, and
   // Bullet would subtract this closing speed from the rebound.
-  struct Kept {
-    double impulse, lateral_1, lateral_2;
-  };
-  std::vector<Kept> kept;
-  kept.reserve(rows_.size());
+  const PointMemory kept(rows_);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     Row& row = rows_[k];
     btManifoldPoint& point = *row.point;
-    kept.push_back({point.m_appliedImpulse, point.m_appliedImpulseLateral1, point.m_appliedImpulseLateral2});
     const btVector3& normal = point.m_normalWorldOnB;
     point.m_positionWorldOnA = point_on(*row.first, point.m_localPointA, normal, 1.0);
     point.m_positionWorldOnB = point_on(*row.second, point.m_localPointB, normal, -1.0);
@@ -386,12 +388,8 @@ std::map<BodyId, BulletWorld::Bounce> BulletWorld::relax(double window_s,
     if (row.left_out) continue;
     row.acted = point.m_appliedImpulse > 0.0;
     point.setDistance(row.acted || gap <= 0.0 ? 0.0 : kLeftOut);
-    if (row.acted && row.restitution > 0.0 && row.approach > kLengthScale * kImpactSpeed_m_s) {
-      // Bullet's target velocity is -distance * erp / H
-      point.setDistance(-(rebound[k] ? rebound[k]->speed : row.restitution * row.approach) * window_s);
-      point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
-      point.m_contactERP = 1.0;
-    }
+    if (row.acted && row.restitution > 0.0 && row.approach > kLengthScale * kImpactSpeed_m_s)
+      set_target(point, rebound[k] ? rebound[k]->speed : row.restitution * row.approach, window_s);
   }
   btContactSolverInfo& info = world_->getSolverInfo();
   const int mode = info.m_solverMode;
@@ -408,15 +406,50 @@ std::map<BodyId, BulletWorld::Bounce> BulletWorld::relax(double window_s,
   std::set<int> struck_islands;
   for (const Row& row : rows_)
     if (row.approach > kLengthScale * kImpactSpeed_m_s && row.acted) struck_islands.insert(island(row));
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    btManifoldPoint& point = *rows_[i].point;
-    point.m_appliedImpulse = struck_islands.count(island(rows_[i])) ? 0.0 : kept[i].impulse;
-    point.m_appliedImpulseLateral1 = kept[i].lateral_1;
-    point.m_appliedImpulseLateral2 = kept[i].lateral_2;
-    point.m_contactPointFlags &= ~BT_CONTACT_FLAG_HAS_CONTACT_ERP;
-    point.m_contactERP = 0.0;
-  }
+  kept.restore(rows_, [&](const Row& row) { return struck_islands.count(island(row)) > 0; });
   return bounces;
+}
+
+double BulletWorld::overlap_kept(BodyId first, BodyId second) const {
+  const auto known = allowances_.find(ordered(first, second));
+  return known == allowances_.end() ? 0.0 : known->second;
+}
+
+void BulletWorld::bounce_apart(double window_s, BodyId first, BodyId second) {
+  const BodyPair pair = ordered(first, second);
+  const auto of_pair = [&](const btCollisionObject& a, const btCollisionObject& b) {
+    return ordered(BodyTag::id(a), BodyTag::id(b)) == pair;
+  };
+  const PointMemory kept(rows_);
+  for (Row& row : rows_) {
+    if (!of_pair(*row.first, *row.second)) continue;
+    btManifoldPoint& point = *row.point;
+    point.setDistance(kLeftOut);
+    if (!row.acted) continue;
+    btVector3& normal = point.m_normalWorldOnB;
+    if (is_ball(*row.first) && is_ball(*row.second))
+      normal = (row.first->getWorldTransform().getOrigin() - row.second->getWorldTransform().getOrigin()).normalized();
+    point.m_positionWorldOnA = point_on(*row.first, point.m_localPointA, normal, 1.0);
+    point.m_positionWorldOnB = point_on(*row.second, point.m_localPointB, normal, -1.0);
+    act_at_one_point(point, *row.first, *row.second);
+    const btVector3 &here_a = point.m_positionWorldOnA, &here_b = point.m_positionWorldOnB;
+    const double closing = (velocity_at(*row.second, here_b) - velocity_at(*row.first, here_a)).dot(normal);
+    set_target(point, row.restitution * std::max(0.0, closing), window_s);
+  }
+  std::vector<btPersistentManifold*> manifolds;
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    btPersistentManifold* manifold = dispatcher_.getManifoldByIndexInternal(i);
+    if (of_pair(*manifold->getBody0(), *manifold->getBody1())) manifolds.push_back(manifold);
+  }
+  btCollisionObject* both[] = {bodies_.at(first), bodies_.at(second)};
+  btContactSolverInfo info = world_->getSolverInfo();
+  info.m_timeStep = window_s;
+  info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;
+  info.m_splitImpulse = false;
+  btSequentialImpulseConstraintSolver solver;
+  solver.solveGroup(both, 2, manifolds.data(), static_cast<int>(manifolds.size()), nullptr, 0, info, nullptr,
+                    &dispatcher_);
+  kept.restore(rows_, [](const Row&) { return false; });
 }
 
 WorldMemory BulletWorld::memory() const {

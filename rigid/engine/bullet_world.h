@@ -81,6 +81,12 @@ class BulletWorld {
   /// contacts that closed fast enough. `pull`: a body's acceleration without them [Bullet lengths/s^2]. Returns the
   /// moving bodies whose rebound is sound (rebound.h).
   std::map<BodyId, Bounce> relax(double window_s, const std::function<btVector3(BodyId)>& pull);
+  /// After relax(): solves the contacts of two moving bodies anew that acted in solve(). The caller has put both at
+  /// their touch, with the motions in which they reach it, whose closing speed restitution goes by. Changes their
+  /// velocities only.
+  void bounce_apart(double window_s, BodyId first, BodyId second);
+  /// Overlap that two bodies keep from birth [Bullet lengths].
+  double overlap_kept(BodyId first, BodyId second) const;
 
   /// Use::kLook. Contacts of the listed bodies at the present poses. Bullet keeps points between calls, so that flat
   /// faces have four.
@@ -109,6 +115,7 @@ class BulletWorld {
     bool left_out;       // the shell process has solved it
   };
   class World;
+  class PointMemory;
 
   static int island(const Row& row);
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "rigid/engine/at_touch.h"
 #include "rigid/engine/checks.h"
 #include "rigid/engine/rebound.h"
 #include "rigid/engine/way_back.h"
@@ -85,10 +86,18 @@ class Transit {
   double gap_at_end(const Meeting& m) const {
     return m.normal.dot(point(m.first, m.first_point, true) - point(m.second, m.second_point, true)) + m.allowance;
   }
+  /// The same at another pose. That of a ball is on the normal through its centre, on the side `side`.
+  Vec3 point_at(int i, const Vec3& local, const BodyMotion& pose, const Vec3& normal, double side) const {
+    const auto* ball = std::get_if<SphereShape>(&movers_[i].body->shape);
+    return ball ? Vec3(pose.position + side * ball->radius * normal) : Vec3(pose.position + pose.orientation * local);
+  }
+  /// The one point of both bodies at which a contact acts.
+  Vec3 contact_point(const Meeting& m, const Vec3& one, const Vec3& other) const {
+    return is_ball(m.first) ? one : is_ball(m.second) ? other : Vec3(0.5 * (one + other));
+  }
   SolverContact contact(const Meeting& m, bool at_end, double friction, double target) const {
     const Vec3 one = point(m.first, m.first_point, at_end), other = point(m.second, m.second_point, at_end);
-    const Vec3 at = is_ball(m.first) ? one : is_ball(m.second) ? other : Vec3(0.5 * (one + other));
-    return {slots_[m.first], slots_[m.second], at, m.normal, friction, target, false};
+    return {slots_[m.first], slots_[m.second], contact_point(m, one, other), m.normal, friction, target, false};
   }
   std::vector<SolverJoint> joints() const {
     std::vector<SolverJoint> all = joints_;
@@ -200,17 +209,61 @@ class Transit {
     rebounds_ = rebounds(strikes, h_, is_static, joined);
   }
 
-  /// Bodies that bounce leave their touch at its time, as far as nothing is in their way. The first solve has changed
-  /// their velocities from the window's start, and the second one at its end: both do so at the touch. Two that both
-  /// move stay there: the shift is along the normal, and beside their tangential motion it would turn the pair.
+  /// Two moving bodies, alone with one another, that bounce within the window.
+  struct Pair {
+    int first, second;
+    RigidBody first_touch, second_touch;  // as they reach it
+    BodyMotion first_end, second_end;
+  };
+  /// Solves the rebound of meeting k at its touch, with the other contacts of the two that acted.
+  Pair bounce(std::size_t k) {
+    const int first = meetings_[k].first, second = meetings_[k].second;
+    const auto flight = [&](int i) { return Flight{movers_[i].body, &given_[i], pull(i)}; };
+    const double rest = h_ - touch_time(flight(first), flight(second), h_, meetings_[k].allowance, rebounds_[k]->touch);
+    const auto at_touch = [&](int i) { return before_end(*movers_[i].body, given_[i], pull(i), rest); };
+    RigidBody one = at_touch(first), other = at_touch(second);
+    std::vector<SolverBody> both;
+    for (const auto& [i, b] : {std::pair(first, &one), std::pair(second, &other)})
+      both.push_back(at(i, b->motion, b->motion.velocity, b->angular_velocity()));
+    const std::vector<SolverBody> before = both;
+    std::vector<SolverContact> contacts;
+    for (std::size_t n = 0; n < meetings_.size(); ++n) {
+      const Meeting& m = meetings_[n];
+      if (m.first != first || m.second != second || !acted_[n]) continue;
+      const Vec3 normal = normal_at_touch(one, other, m.normal);
+      const Vec3 here = contact_point(m, point_at(first, m.first_point, one.motion, normal, -1.0),
+                                      point_at(second, m.second_point, other.motion, normal, 1.0));
+      const double closing = normal.dot(velocity_at(both[1], here) - velocity_at(both[0], here));
+      contacts.push_back({0, 1, here, normal, m.law->friction, m.law->restitution * std::max(0.0, closing), false});
+    }
+    solver_.solve(h_, 0.0, both, {}, contacts);
+    Pair pair{first, second, one, other, {}, {}};
+    const auto end = [&](int i, RigidBody body, int slot) {
+      body.motion.velocity += both[slot].velocity - before[slot].velocity;
+      body.motion.angular_momentum += body.apply_inertia(both[slot].spin - before[slot].spin);
+      return flown_on(body, pull(i), rest);
+    };
+    pair.first_end = end(first, one, 0), pair.second_end = end(second, other, 1);
+    return pair;
+  }
+
+  /// Bodies that bounce leave their touch at its time, as far as nothing is in their way. On a static body the first
+  /// solve has changed their velocities from the window's start, and the second one at its end: both do so at the
+  /// touch. Two that both move are solved there anew, and stay at the window's end where their way is not free.
   void fly_on() {
     std::vector<Departure> departures;
     std::vector<double> rests;
+    std::vector<Pair> pairs;
+    const auto known = [](const auto& all, int first, int second) {
+      return std::any_of(all.begin(), all.end(), [&](const auto& d) { return d.first == first && d.second == second; });
+    };
     for (std::size_t k = 0; k < meetings_.size(); ++k) {
       const int first = meetings_[k].first, second = meetings_[k].second;
-      if (!rebounds_[k] || (slots_[first] >= 0 && slots_[second] >= 0)) continue;
-      const auto same = [&](const Departure& d) { return d.first == first && d.second == second; };
-      if (std::any_of(departures.begin(), departures.end(), same)) continue;
+      if (!rebounds_[k] || known(departures, first, second) || known(pairs, first, second)) continue;
+      if (slots_[first] >= 0 && slots_[second] >= 0) {
+        pairs.push_back(bounce(k));
+        continue;
+      }
       const double touch = rebounds_[k]->touch, rest = h_ - touch;
       const auto shift = [&](int i) -> Shift {
         return {rest * relaxed_[i].linear - touch * solved_[i].linear,
@@ -218,20 +271,44 @@ class Transit {
       };
       departures.push_back({first, second, shift(first), shift(second)}), rests.push_back(rest);
     }
+    const std::size_t on_static = departures.size();
+    for (const Pair& p : pairs)
+      departures.push_back({p.first, p.second, shift_between(p.first_touch.motion, p.first_end),
+                            shift_between(p.second_touch.motion, p.second_end)});
     if (departures.empty()) return;
     std::vector<Way> ways;
-    for (std::size_t i = 0; i < movers_.size(); ++i) {
+    std::vector<int> of;  // mover of a way
+    const auto add_way = [&](int i, const BodyMotion& end) {
       const Mover& m = movers_[i];
       const double bulge = 0.5 * h_ * (given_[i].velocity - m.velocity).norm();
-      ways.push_back({m.body, m.body->motion, ends_[i].motion, bulge, m.spin.norm() * h_ > kFastTurn});
+      ways.push_back({m.body, m.body->motion, end, bulge, m.spin.norm() * h_ > kFastTurn}), of.push_back(i);
+    };
+    std::map<int, int> partners;
+    for (std::size_t i = 0; i < movers_.size(); ++i) add_way(static_cast<int>(i), ends_[i].motion);
+    for (const Pair& p : pairs) {
+      partners[p.first] = p.second, partners[p.second] = p.first;
+      for (const auto& [i, touch] : {std::pair(p.first, &p.first_touch), std::pair(p.second, &p.second_touch)}) {
+        add_way(i, ends_[i].motion);  // which it takes where the other one is not free
+        ways[i].end = touch->motion;
+      }
     }
+    const auto pass = [&](int a, int b) {
+      const int i = of[a], k = of[b];
+      const auto partner = partners.find(i);
+      return i == k || (partner != partners.end() && partner->second == k) ||
+             beside_.pass(movers_[i].id, movers_[k].id);
+    };
     const std::vector<double> shares = free_shares(
-        ways, departures, [&](int i) { return movers_[i].shape; },
-        [&](int i, int k) { return beside_.pass(movers_[i].id, movers_[k].id); });
-    for (std::size_t n = 0; n < departures.size(); ++n) {
+        ways, departures, [&](int i) { return movers_[of[i]].shape; }, pass);
+    for (std::size_t n = 0; n < on_static; ++n) {
       const Departure& d = departures[n];
       go_on(d.first, d.first_shift, shares[n], slots_[d.second] < 0 ? rests[n] : 0.0);
       go_on(d.second, d.second_shift, shares[n], slots_[d.first] < 0 ? rests[n] : 0.0);
+    }
+    for (std::size_t n = 0; n < pairs.size(); ++n) {
+      if (shares[on_static + n] < 1.0) continue;
+      ends_[pairs[n].first].motion = pairs[n].first_end;
+      ends_[pairs[n].second].motion = pairs[n].second_end;
     }
   }
   /// `rest`: time after a touch with a static body [s], else 0. What it cannot fly of that, the pull does not act in.
