@@ -3,8 +3,10 @@
 import * as m from './algebra.mjs';
 import { freeIslands, giveBackTurn } from './jolt_islands.mjs';
 import { addJoint } from './jolt_joints.mjs';
+import { bounceApart } from './jolt_rebound.mjs';
 import { kLength, kMass } from './jolt_shapes.mjs';
 import { World } from './jolt_world.mjs';
+import { reach } from './rebound.mjs';
 
 /** Turn per window above which the average angular velocity is not used, because its logarithm is ambiguous from pi on.
  * The solver then gets the predicted angular velocity. */
@@ -48,7 +50,7 @@ export class JoltEngine {
   add(body) {
     const held = {
       id: body.id, group: body.contact_group, mass: body.mass, motion: body.motion, body, rigid: null,
-      shape: this.world.shapes.make(body), met: false, struck: false, touched: false,
+      shape: this.world.shapes.make(body), reach: reach(body), met: false, struck: false, touched: false,
     };
     this.held.set(body.id, held);
     this.newborn.push(held);
@@ -112,7 +114,9 @@ export class JoltEngine {
     // only without contacts: with contacts, an outside body may have moved the group
     this.islands ??= freeIslands([...this.jointed.values()]);
     for (const island of this.islands) if (!island.some((held) => held.struck)) giveBackTurn(island);
-    if (anyTouched) this.relax(window);
+    if (!anyTouched) return;
+    this.relax(window);
+    bounceApart(this, window);
   }
 
   /** Gives Jolt the average velocity of the window. */
@@ -126,6 +130,8 @@ export class JoltEngine {
     held.spin = spin;
     held.angular = rounded(spin);
     held.linear = rounded(m.scale(kLength / window, m.subtract(predicted.position, start.position)));
+    held.departure = { position: start.position, linear: m.scale(1 / kLength, held.linear), angular: held.angular };
+    held.way = window * (m.norm(held.departure.linear) + m.norm(spin) * held.reach);
     held.met = held.jointed === true;
     held.struck = false;
     held.push = [0, 0, 0];

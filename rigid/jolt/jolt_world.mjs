@@ -1,4 +1,5 @@
 // A Jolt world without gravity, damping and sleeping. Lengths and masses are in Jolt's units (jolt_shapes.mjs).
+import * as m from './algebra.mjs';
 import { Exit, Failure } from './failure.mjs';
 import { kLength, kMass, Shapes } from './jolt_shapes.mjs';
 import { ContactLaws } from './laws.mjs';
@@ -17,6 +18,8 @@ const kImpactSpeed = 5; // [cm/s]
 /** Jolt clamps larger speeds without a message; bodies here are far slower. */
 const kNoLimit = 1e9;
 const kStill = 0, kMoving = 1; // layers
+
+const xyz = (v) => [v.GetX(), v.GetY(), v.GetZ()];
 
 /** Key of a pair of bodies, in either order. */
 const pair = (a, b) => (a < b ? `${a} ${b}` : `${b} ${a}`);
@@ -56,6 +59,8 @@ export class World {
     this.linked = new Set(); // pairs that do not collide: pair()
     this.contacts = 0;
     this.relaxing = false;
+    this.bouncing = null; // in bounce(): the pairs that it solves, by pair()
+    this.seen = []; // contacts of the last solve()
     this.recorder = new jolt.StateRecorderImpl();
     this.impulses = jolt.EStateRecorderState_Contacts | jolt.EStateRecorderState_Constraints;
     this.system.SetContactListener(this.listener());
@@ -73,6 +78,11 @@ export class World {
       const a = byPointer.get(first), b = byPointer.get(second);
       const settings = jolt.wrapPointer(pointer, jolt.ContactSettings);
       ++this.contacts;
+      if (this.bouncing !== null) {
+        settings.mIsSensor = !this.bouncing.has(pair(a.id, b.id));
+        if (!settings.mIsSensor) this.applyLaw(settings, a, b);
+        return;
+      }
       if (this.solved.size && (this.solved.has(a.id) || this.solved.has(b.id))) {
         settings.mIsSensor = true; // the shell process has solved it
         return;
@@ -85,9 +95,9 @@ export class World {
         settings.mIsSensor = true;
         return;
       }
-      const law = this.laws.between(a.group, b.group);
-      settings.mCombinedFriction = law.friction;
-      settings.mCombinedRestitution = this.relaxing ? 0 : law.restitution;
+      const law = this.applyLaw(settings, a, b);
+      if (this.relaxing) settings.mCombinedRestitution = 0;
+      else this.note(a, b, law.restitution, jolt.wrapPointer(manifold, jolt.ContactManifold));
       a.met = a.struck = true;
       b.met = b.struck = true;
     };
@@ -96,6 +106,19 @@ export class World {
     listener.OnContactPersisted = touch;
     listener.OnContactRemoved = () => {};
     return listener;
+  }
+
+  applyLaw(settings, a, b) {
+    const law = this.laws.between(a.group, b.group);
+    settings.mCombinedFriction = law.friction;
+    settings.mCombinedRestitution = law.restitution;
+    return law;
+  }
+
+  /** Keeps a contact of two bodies: the normal from the first to the second, a point on both, and the gap [m]. */
+  note(first, second, restitution, manifold) {
+    const normal = xyz(manifold.mWorldSpaceNormal), point = m.scale(1 / kLength, xyz(manifold.GetWorldSpaceContactPointOn1(0)));
+    this.seen.push({ first, second, restitution, normal, point, gap: -manifold.mPenetrationDepth / kLength });
   }
 
   /** Replaces all contact laws. */
@@ -171,7 +194,6 @@ export class World {
 
   /** Position [cm], orientation and velocities of a body. Throws Failure (diverged) where they are not finite. */
   read(rigid) {
-    const xyz = (v) => [v.GetX(), v.GetY(), v.GetZ()];
     const position = xyz(rigid.GetPosition());
     const q = rigid.GetRotation();
     const orientation = [q.GetW(), q.GetX(), q.GetY(), q.GetZ()];
@@ -185,6 +207,7 @@ export class World {
 
   /** Finds and solves contacts and joints, and moves the bodies. `way`: farthest motion of a body in the window [cm]. */
   solve(window, way) {
+    this.seen = [];
     this.step(window, (settings) => {
       settings.mSpeculativeContactDistance = Math.min(kMostForeseen, Math.max(kLeastForeseen, way));
       settings.mNumPositionSteps = kPositionSteps;
@@ -196,7 +219,19 @@ export class World {
    * the caller ignores these poses. */
   relax(window) {
     this.relaxing = true;
-    // The next window must start from the impulses of solve(), or stacks collapse.
+    this.stepAside(window);
+    this.relaxing = false;
+  }
+
+  /** Solves velocities at the present poses, with restitution, for contacts of these pairs of bodies alone. */
+  bounce(window, pairs) {
+    this.bouncing = new Set(pairs.map(([first, second]) => pair(first.id, second.id)));
+    this.stepAside(window);
+    this.bouncing = null;
+  }
+
+  /** A step whose impulses are forgotten: the next window must start from those of solve(), or stacks collapse. */
+  stepAside(window) {
     this.recorder.Clear();
     this.system.SaveState(this.recorder, this.impulses);
     this.step(window, (settings) => {
@@ -204,7 +239,6 @@ export class World {
       settings.mNumPositionSteps = 0;
       settings.mLinearCastThreshold = kNoLimit;
     });
-    this.relaxing = false;
     this.recorder.Rewind();
     if (!this.system.RestoreState(this.recorder)) throw new Error('Jolt does not take back the contacts that it gave');
   }
@@ -215,7 +249,7 @@ export class World {
     settings.mPenetrationSlop = kSlop;
     settings.mNumVelocitySteps = kVelocitySteps;
     settings.mMinVelocityForRestitution = kImpactSpeed;
-    settings.mConstraintWarmStart = !this.relaxing; // velocities include the impulses of solve()
+    settings.mConstraintWarmStart = !this.relaxing && this.bouncing === null; // velocities include the impulses of solve()
     settings.mAllowSleeping = false;
     this.system.SetPhysicsSettings(settings);
     this.contacts = 0;

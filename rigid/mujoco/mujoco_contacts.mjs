@@ -26,13 +26,6 @@ function meeting(first, second, normal, firstPoint, secondPoint, share) {
 /** Where a point of meeting() is now, relative to the body's centre [m]. Points of balls do not turn with them. */
 export const armOf = (held, local) => (held.body.shape.sphere ? local : m.rotate(held.at.orientation, local));
 
-/** Radius about a body's centre that holds it [m]. */
-export function reach({ shape: { sphere, box, parts } }) {
-  if (sphere) return sphere;
-  if (box) return m.norm(box);
-  return parts ? Math.max(...parts.flat().map(m.norm)) : Infinity;
-}
-
 /** Corners of a body [m], each once, or the centre of a sphere. */
 export function corners({ shape: { sphere, box, parts } }) {
   if (sphere) return [[0, 0, 0]];

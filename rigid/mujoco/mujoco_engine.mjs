@@ -3,10 +3,12 @@
 import * as m from '../jolt/algebra.mjs';
 import { islands } from '../jolt/islands.mjs';
 import { ContactLaws } from '../jolt/laws.mjs';
-import { armOf, corners, findContacts, reach } from './mujoco_contacts.mjs';
+import { reach } from '../jolt/rebound.mjs';
+import { armOf, corners, findContacts } from './mujoco_contacts.mjs';
 import { takeGainBack } from './mujoco_energy.mjs';
 import { makeJoint } from './mujoco_joints.mjs';
 import { Model, prepare } from './mujoco_model.mjs';
+import { bounceApart } from './mujoco_rebound.mjs';
 import { Solver } from './mujoco_solver.mjs';
 
 /** Turn per window above which the average angular velocity is not used, because its logarithm is ambiguous from pi on.
@@ -96,8 +98,9 @@ export class MuJoCoEngine {
     if (meetings.length + joints.length > 0 && this.solve(window, meetings, joints)) {
       this.push(window, meetings, joints);
       this.relax(meetings, joints);
-      takeGainBack([...meetings.filter(({ met }) => met), ...joints],
-        new Map(this.moving.map((held, k) => [held, predicted[k]])));
+      const given = new Map(this.moving.map((held, k) => [held, predicted[k]]));
+      takeGainBack([...meetings.filter(({ met }) => met), ...joints], given);
+      this.bounceApart(window, meetings, joints, given);
     }
     for (const held of this.moving) held.motion = held.end;
   }
@@ -126,9 +129,11 @@ export class MuJoCoEngine {
       this.solver = new Solver(this.model);
     }
     const ways = this.moving.map((held) => held.way);
-    const found = findContacts(this.model, ways, (held) => held.motion, (held) => held.end)
-      .filter(({ first, second }) => !(solved.has(first.id) || solved.has(second.id) ||
-        this.linked.has(pair(first.id, second.id))));
+    const left = ({ first, second }) => solved.has(first.id) || solved.has(second.id);
+    const all = findContacts(this.model, ways, (held) => held.motion, (held) => held.end)
+      .filter(({ first, second }) => !this.linked.has(pair(first.id, second.id)));
+    this.besideSolved = all.filter(left).flatMap(({ first, second }) => [first, second]);
+    const found = all.filter((one) => !left(one));
     for (const one of found) {
       one.law = this.laws.between(one.first.group, one.second.group);
       const speed = (held, local) => (held.slot < 0 ? [0, 0, 0] :
@@ -157,6 +162,7 @@ export class MuJoCoEngine {
     const velocity = ({ linear, angular }) => ({ linear, angular });
     const impulses = this.solver.solve(contacts, joints, 1 / window, velocity);
     contacts.forEach(({ acted }, k) => { meetings[k].acted = meetings[k].met = acted; });
+    for (const one of meetings) one.bounces = one.acted && one.approach > kImpactSpeed && one.law.restitution > 0;
     const final = this.bounce(window, meetings, contacts, joints, velocity) ?? impulses;
     for (const [held, { linear, angular }] of impulses) {
       const start = held.motion, principal = held.body.principal_inertia, { end } = held;
@@ -185,12 +191,19 @@ export class MuJoCoEngine {
   bounce(window, meetings, contacts, joints, velocity) {
     let any = false;
     const bouncing = contacts.map((contact, k) => {
-      const { acted, approach, law } = meetings[k];
-      if (!(acted && approach > kImpactSpeed && law.restitution > 0)) return contact;
+      const { bounces, approach, law } = meetings[k];
+      if (!bounces) return contact;
       any = true;
       return { ...contact, target: law.restitution * approach };
     });
     return any ? this.solver.solve(bouncing, joints, 1 / window, velocity) : null;
+  }
+
+  /** Bodies that bounce within the window go on from their touch, as far as they meet nothing else. */
+  bounceApart(window, meetings, joints, predicted) {
+    if (!meetings.some(({ bounces }) => bounces)) return;
+    const bound = new Set([...joints.flatMap(({ first, second }) => [first, second]), ...this.besideSolved]);
+    bounceApart(this, window, meetings, (held) => bound.has(held), predicted);
   }
 
   /** Moves poses out of overlaps. Velocities do not change. */
