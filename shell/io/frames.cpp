@@ -9,74 +9,16 @@
 #include <numbers>
 #include <optional>
 
-#include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
 #include "shell/io/crack_lines.h"
 #include "shell/io/frame_bodies.h"
 #include "shell/io/probes.h"
 #include "shell/io/thick_sheet.h"
 #include "shell/io/vtp.h"
-#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/crack_sides.h"
 
 namespace sunder::shell {
 namespace {
-
-struct Corner {
-  Vec3 x, v, u;  // position, velocity, displacement
-};
-
-// Evaluates a surface point with the functions of its own side of the cracks.
-Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool near_crack) {
-  Corner c{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  const auto add = [&](double n, int slot) {
-    c.x += n * s.position(slot), c.v += n * s.velocity(slot), c.u += n * (s.position(slot) - s.at(m.rest, slot));
-  };
-  const std::vector<GatheredFunction> functions = shell_functions(m, p);
-  const auto visible = [&](int slot) {
-    return s.cracks.graph.visible(
-        p, m.trim.empty() ? m.parameter_of_slot[slot] : m.trim.home[m.tables.control_point(slot)]);
-  };
-  if (!near_crack || std::all_of(functions.begin(), functions.end(), [&](const auto& f) { return visible(f.slot); })) {
-    for (const GatheredFunction& f : functions) add(f.n[0], f.slot);
-    return c;
-  }
-  Visibility visibility =
-      first_visibility(m, s.cracks.graph, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
-  visibility.update(control_grid(m), s.cracks.graph, static_cast<int>(s.cracks.graph.edges().size()));
-  const MlsPoint mls = mls_point(control_grid(m), visibility);
-  if (mls.basis != MlsBasis::kNone) {
-    for (const MlsFunction& n : mls.functions) add(n.n[0], m.tables.slot(n.control_point));
-    return c;
-  }
-  // Too few control points are visible: the point moves with the nearest one.
-  int slot = 0;
-  double distance = 1e300;
-  for (const GatheredFunction& f : functions) {
-    const double d = (m.parameter_of_slot[f.slot] - p).squaredNorm() + (visible(f.slot) ? 0.0 : 1.0);
-    if (d < distance) distance = d, slot = f.slot;
-  }
-  c.u = s.position(slot) - s.at(m.rest, slot), c.v = s.velocity(slot);
-  c.x = m.patch.evaluate(p).x + c.u;
-  return c;
-}
-
-// Numbers the corners of all triangles. Corners at one vertex have the same number where their triangles are connected
-// around it.
-std::vector<std::array<int, 3>> fans(const Triangulation& t) {
-  const int n = static_cast<int>(t.triangles.size());
-  DisjointSets corners(3 * n);
-  for (int i = 0; i < n; ++i)
-    for (const int other : t.neighbours[i]) {
-      if (other < 0) continue;
-      for (int k = 0; k < 3; ++k)
-        for (int l = 0; l < 3; ++l)
-          if (t.triangles[i][k] == t.triangles[other][l]) corners.join(3 * i + k, 3 * other + l);
-    }
-  std::vector<std::array<int, 3>> fan(n);
-  for (int i = 0; i < n; ++i)
-    for (int k = 0; k < 3; ++k) fan[i][k] = corners.root(3 * i + k);
-  return fan;
-}
 
 // Returns the largest stretch at which a triangle is still drawn as surface. Control points of an element fly freely
 // where most of its Gauss points bear no stress, and some may where a crack has touched it.
@@ -214,8 +156,9 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
   std::vector<double> at_rest;                                 // thickness of each triangle [m]
   std::vector<int> element;                                    // of each triangle
   VtpArray of_points{"thickness_at_rest", 1, {}, false, "m"};  // where it varies
-  const auto corner = [&](const Vec2& p, bool near_crack) {
-    const Corner c = evaluate(m, s, p, near_crack);
+  const auto corner = [&](const SideCorners::Corner& from) {
+    const Vec2& p = from.at;
+    const SidePoint c = side_point(m, s, p, from.near);
     mesh.points.push_back(c.x);
     velocity.values.insert(velocity.values.end(), {c.v.x(), c.v.y(), c.v.z()});
     displacement.values.insert(displacement.values.end(), {c.u.x(), c.u.y(), c.u.z()});
@@ -228,26 +171,7 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
     if (varies.thickness) of_points.values.push_back(m.thickness_at(p));
     return static_cast<int>(mesh.points.size()) - 1;
   };
-  std::vector<char> near(t.vertices.size(), 0);
-  for (std::size_t i = 0; i < near.size(); ++i)
-    if (!m.laminated())  // an interlayer is continuous, as the patch is
-      s.cracks.graph.near(t.vertices[i], t.vertices[i], 2.0 * m.spacing, [&](int e) {
-        Vec2 foot;
-        if (s.cracks.graph.distance(t.vertices[i], e, foot) < 2.0 * m.spacing) near[i] = 1;
-        return !near[i];
-      });
-  // A vertex on a crack is written once for each fan of connected triangles around it.
-  const std::vector<std::array<int, 3>> fan = fans(t);
-  std::map<int, Vec2> fan_sum;  // sum of centres and their number: they tell the fan's side of the vertex
-  std::map<int, int> fan_count;
-  for (std::size_t i = 0; i < t.triangles.size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      const auto& c = t.triangles[i];
-      if (!near[c[k]]) continue;
-      const auto [it, fresh] = fan_sum.try_emplace(fan[i][k], Vec2::Zero());
-      it->second += (t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0;
-      ++fan_count[fan[i][k]];
-    }
+  const SideCorners corners = side_corners(m, s, t);
   std::map<int, int> shared;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
     if (pieces[t.piece[i]].handed_off || pieces[t.piece[i]].control_points.empty()) continue;
@@ -255,12 +179,8 @@ ShellMeshes shell_mesh(const ShellModel& m, const ShellState& s, const std::vect
     const Vec2 centre = (t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0;
     std::vector<int> polygon;
     for (int k = 0; k < 3; ++k) {
-      const auto [it, fresh] = shared.try_emplace(fan[i][k], 0);
-      if (fresh) {
-        Vec2 p = t.vertices[c[k]];
-        if (near[c[k]]) p += 0.01 * (fan_sum[fan[i][k]] / fan_count[fan[i][k]] - p);
-        it->second = corner(p, near[c[k]]);
-      }
+      const auto [it, fresh] = shared.try_emplace(corners.of[i][k], 0);
+      if (fresh) it->second = corner(corners.corners[corners.of[i][k]]);
       polygon.push_back(it->second);
     }
     if (!m.laminated()) {

@@ -161,6 +161,45 @@ std::vector<std::vector<Vec3>> flat_parts(const ShellModel& m, const PieceSurfac
   return parts;
 }
 
+// Draws a prism for each triangle of a piece. Prisms of one piece share their corners and have no walls between them.
+// Returns the parameter [m] of each pair of new points.
+std::vector<Vec2> draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece, double thickness,
+                              DrawnMesh& drawn) {
+  std::vector<Vec2> parameters;
+  std::vector<Faces> face(t.vertices.size());
+  std::vector<char> known(t.vertices.size(), 0);
+  std::vector<int> drawn_as(t.vertices.size(), -1);  // the lower face's point in the mesh
+  for (const int i : t.triangles_of(piece)) {
+    const auto& c = t.triangles[i];
+    bool whole = true;
+    for (const int v : c) {
+      if (known[v] == 0) known[v] = 1, face[v] = surface.at(t.vertices[v]);
+      whole = whole && face[v].finite();
+    }
+    for (int k = 0; k < 3 && whole; ++k) {
+      const int a = c[k], b = c[(k + 1) % 3];
+      whole = !is_torn(surface, (face[a].low - face[b].low).norm(), (t.vertices[a] - t.vertices[b]).norm(), thickness);
+    }
+    if (!whole) continue;
+    for (const int v : c) {
+      if (drawn_as[v] >= 0) continue;
+      drawn_as[v] = static_cast<int>(drawn.points.size());
+      drawn.points.push_back(face[v].low), drawn.points.push_back(face[v].high);
+      parameters.push_back(t.vertices[v]);
+    }
+    const auto low = [&](int k) { return drawn_as[c[k]]; };
+    drawn.triangles.push_back({low(0) + 1, low(1) + 1, low(2) + 1});
+    drawn.triangles.push_back({low(0), low(2), low(1)});
+    for (int k = 0; k < 3; ++k) {
+      const int other = t.neighbours[i][k], a = low((k + 1) % 3), b = low((k + 2) % 3);
+      if (other >= 0 && t.piece[other] == t.piece[i]) continue;
+      drawn.triangles.push_back({a, b, b + 1});
+      drawn.triangles.push_back({a, b + 1, a + 1});
+    }
+  }
+  return parameters;
+}
+
 }  // namespace
 
 double least_thickness_of(const ShellModel& m, const Triangulation& t, int piece) {
@@ -204,43 +243,6 @@ void add_flat_parts(const ShellModel& m, const PieceSurface& surface, const Outl
     parts = flat_parts(m, surface, whole, most, last ? std::numeric_limits<std::size_t>::max() : enough);
   }
   std::move(parts.begin(), parts.end(), std::back_inserter(shape.parts));
-}
-
-std::vector<Vec2> draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece, double thickness,
-                              DrawnMesh& drawn) {
-  std::vector<Vec2> parameters;
-  std::vector<Faces> face(t.vertices.size());
-  std::vector<char> known(t.vertices.size(), 0);
-  std::vector<int> drawn_as(t.vertices.size(), -1);  // the lower face's point in the mesh
-  for (const int i : t.triangles_of(piece)) {
-    const auto& c = t.triangles[i];
-    bool whole = true;
-    for (const int v : c) {
-      if (known[v] == 0) known[v] = 1, face[v] = surface.at(t.vertices[v]);
-      whole = whole && face[v].finite();
-    }
-    for (int k = 0; k < 3 && whole; ++k) {
-      const int a = c[k], b = c[(k + 1) % 3];
-      whole = !is_torn(surface, (face[a].low - face[b].low).norm(), (t.vertices[a] - t.vertices[b]).norm(), thickness);
-    }
-    if (!whole) continue;
-    for (const int v : c) {
-      if (drawn_as[v] >= 0) continue;
-      drawn_as[v] = static_cast<int>(drawn.points.size());
-      drawn.points.push_back(face[v].low), drawn.points.push_back(face[v].high);
-      parameters.push_back(t.vertices[v]);
-    }
-    const auto low = [&](int k) { return drawn_as[c[k]]; };
-    drawn.triangles.push_back({low(0) + 1, low(1) + 1, low(2) + 1});
-    drawn.triangles.push_back({low(0), low(2), low(1)});
-    for (int k = 0; k < 3; ++k) {
-      const int other = t.neighbours[i][k], a = low((k + 1) % 3), b = low((k + 2) % 3);
-      if (other >= 0 && t.piece[other] == t.piece[i]) continue;
-      drawn.triangles.push_back({a, b, b + 1});
-      drawn.triangles.push_back({a, b + 1, a + 1});
-    }
-  }
-  return parameters;
 }
 
 void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,

@@ -44,11 +44,6 @@ bool is_bent(const ShellModel& model, const PieceSurface& surface, const Triangu
 void add_flat_parts(const ShellModel& model, const PieceSurface& surface, const Outline& outline, double most,
                     ConvexShape& shape);
 
-/// Draws a prism for each triangle of a piece. Prisms of one piece share their corners and have no walls between them.
-/// Returns the parameter [m] of each pair of new points.
-std::vector<Vec2> draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece, double thickness,
-                              DrawnMesh& drawn);
-
 /// Thickens a piece at its rest shape, turned by `to_body` about `centre` [m]. Appends convex parts for collisions to
 /// `shape` and a mesh to `drawn`. A curved piece is made of flat parts and drawn with inner vertices.
 void thicken(const ShellModel& model, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,

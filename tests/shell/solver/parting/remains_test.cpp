@@ -1,6 +1,8 @@
 // What a support holds becomes one static body, and the shell is empty.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -94,4 +96,49 @@ TEST(Freeze, TakesWhatIsBentAsItStands) {
     for (const Vec3& x : part)
       furthest = std::max(furthest, std::abs(std::hypot(x.x(), x.z() - radius) - radius) - 0.002);
   EXPECT_LT(furthest, 1e-3);
+}
+
+// Two lips of a pane that is torn halfway, one bent up and one down: each is drawn where it stands, up to the crack.
+// Functions of the uncut patch would draw a steep strip between them, whose faces fold.
+TEST(Freeze, DrawsBothSidesOfAnOpenCrackWhereTheyStand) {
+  Support clamp;
+  clamp.edges = kUMin;
+  const ShellModel m =
+      make_shell("pane", plate(0.2, 0.2, 20, 20, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {clamp});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  insert_polyline(m, s, {{0.1, 0.1}, {0.2, 0.1}}, 0.0);
+  const double curve = 1.0;  // [1/m]
+  const auto lift = [&](const Vec3& rest) {
+    const double along = std::max(0.0, rest.x());  // from the crack's tip
+    return (rest.y() > 0.0 ? curve : -curve) * along * along;
+  };
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    s.motion.x[2 * m.tables.component_stride + static_cast<std::size_t>(slot)] += lift(s.position(slot));
+  }
+  const Handoff h = frozen(m, s);
+  ASSERT_EQ(h.drawn.rest.size(), h.drawn.points.size());
+  ASSERT_FALSE(h.drawn.points.empty());
+  double furthest = 0.0, at_the_lips = 0.0;
+  for (std::size_t i = 0; i + 1 < h.drawn.points.size(); i += 2) {
+    const Vec3 middle = 0.5 * (h.drawn.points[i] + h.drawn.points[i + 1]),
+               rest = 0.5 * (h.drawn.rest[i] + h.drawn.rest[i + 1]);
+    furthest = std::max(furthest, std::abs(middle.z() - lift(rest)));
+    if (std::abs(rest.y()) < 1e-3) at_the_lips = std::max(at_the_lips, std::abs(middle.z()));
+  }
+  EXPECT_LT(furthest, 0.05 * curve * 0.1 * 0.1);
+  EXPECT_GT(at_the_lips, 0.9 * curve * 0.1 * 0.1);
+  std::map<std::pair<int, int>, int> sides;  // directed: each once, and its opposite too
+  double steepest = 1.0;
+  for (const auto& c : h.drawn.triangles) {
+    for (int k = 0; k < 3; ++k) ++sides[{c[k], c[(k + 1) % 3]}];
+    const Vec3 n = (h.drawn.points[c[1]] - h.drawn.points[c[0]]).cross(h.drawn.points[c[2]] - h.drawn.points[c[0]]);
+    const bool edge = c[0] / 2 == c[1] / 2 || c[1] / 2 == c[2] / 2 || c[2] / 2 == c[0] / 2;
+    if (!edge) steepest = std::min(steepest, std::abs(n.normalized().z()));
+  }
+  for (const auto& [side, count] : sides) {
+    EXPECT_EQ(count, 1);
+    EXPECT_EQ((sides.count({side.second, side.first})), 1u);
+  }
+  EXPECT_GT(steepest, 0.97 * std::cos(std::atan(2.0 * curve * 0.1)));
 }
