@@ -60,47 +60,57 @@ export class Solver {
     return impulses;
   }
 
-  /** MuJoCo's Newton search. Bodies that jam among others may be too stiff for it: then from soft contacts to hard ones,
-   * each search from where the last one arrived. Contacts are as hard as the last that did; none act where no search did. */
+  /** MuJoCo's Newton search, of each island of bodies by itself. Bodies that jam among others may be too stiff for it: then
+   * from soft contacts to hard ones, each search from where the last one arrived. Contacts of an island are as hard as the
+   * last that did; none of it act where no search did. */
   search() {
     const { model } = this, { mujoco, model: mj, data } = model;
     const run = () => model.run(() => mujoco.mj_fwdConstraint(mj, data));
-    const results = () => [data.qacc, data.qfrc_constraint, data.efc_force];
-    const soften = (factor) => {
-      const softness = data.efc_R, stiffness = data.efc_D;
-      for (let i = 0; i < softness.length; ++i) softness[i] *= factor, stiffness[i] /= factor;
+    const soften = (factor) => { // MuJoCo has copies by island
+      for (const softness of [data.efc_R, data.iefc_R]) for (let i = 0; i < softness.length; ++i) softness[i] *= factor;
+      for (const stiffness of [data.efc_D, data.iefc_D]) for (let i = 0; i < stiffness.length; ++i) stiffness[i] /= factor;
     };
     run();
-    if (this.arrived()) return;
-    let good = results().map((values) => new Float64Array(values.length)), factor = 1 / kSoftness;
+    let open = this.stuck();
+    if (open.size === 0) return;
+    const results = () => [
+      [data.qacc, data.dof_island], [data.qfrc_constraint, data.dof_island], [data.efc_force, data.efc_island],
+    ];
+    const good = results().map(([values, island]) => values.map((value, i) => (open.has(island[i]) ? 0 : value)));
+    let factor = 1 / kSoftness;
     soften(factor);
     data.qacc_warmstart.fill(0);
     for (;;) {
       run();
-      if (!this.arrived()) break;
-      good = results().map((values) => Float64Array.from(values));
-      if (factor <= 1) break;
+      const stuck = this.stuck();
+      open = new Set([...open].filter((island) => !stuck.has(island)));
+      results().forEach(([values, island], k) => {
+        for (let i = 0; i < values.length; ++i) if (open.has(island[i])) good[k][i] = values[i];
+      });
+      if (open.size === 0 || factor <= 1) break;
       data.qacc_warmstart.set(data.qacc);
       const next = Math.max(1, factor / kHarder);
       soften(next / factor);
       factor = next;
     }
     soften(1 / factor);
-    results().forEach((values, k) => values.set(good[k]));
+    results().forEach(([values], k) => values.set(good[k]));
   }
 
-  /** True where the last search has arrived. */
-  arrived() {
-    const { data, moving } = this.model, { qacc, qfrc_constraint: forces } = data;
-    let left = 0, all = 0;
+  /** The islands in which the last search has not arrived. */
+  stuck() {
+    const { data, moving } = this.model, { qacc, qfrc_constraint: forces, dof_island: islands } = data;
+    const left = new Float64Array(data.nisland), all = new Float64Array(data.nisland);
     moving.forEach((held, k) => {
+      const island = islands[6 * k];
+      if (island < 0) return;
       const masses = [held.mass, held.mass, held.mass, ...held.body.principal_inertia.map((i) => kLength * kLength * i)];
       masses.forEach((mass, i) => {
         const force = forces[6 * k + i], off = kMass * mass * qacc[6 * k + i] - force;
-        left += off * off / mass, all += force * force / mass;
+        left[island] += off * off / mass, all[island] += force * force / mass;
       });
     });
-    return left <= kArrived * kArrived * all;
+    return new Set([...left.keys()].filter((island) => !(left[island] <= kArrived * kArrived * all[island])));
   }
 
   /** Gives MuJoCo the contacts. */
