@@ -23,13 +23,17 @@ DRAWN = "sunder-drawn "
 BOUNCES = 16          # of light: a pane of pieces is many sheets of glass, one behind another
 SENSOR_MM = 36.0
 SUN_SIZE = 0.12       # [rad]: soft shadows
-# Colours of the sky from the horizon to the zenith, by the height of a direction. Glass shows its edges where bright and
-# dark stand side by side.
-SKY = ((0.0, (0.20, 0.22, 0.25)), (0.10, (0.62, 0.66, 0.70)), (0.28, (0.30, 0.36, 0.44)), (0.62, (0.55, 0.66, 0.82)),
-       (0.80, (1.1, 1.1, 1.08)))
-BRIGHTEST = 4.0       # of light that comes by glass or metal: single grains brighter than that would not average out
+# What is around a scene: colours of the sky from the horizon to the zenith, by the height of a direction; colour of the ground;
+# exposure [stops]; most light that comes by glass or metal, as single grains brighter than that would not average out. Glass
+# shows its edges where bright and dark stand side by side.
+BACKDROPS: dict[str, dict[str, Any]] = {
+    "light": {"sky": ((0.0, (0.20, 0.22, 0.25)), (0.10, (0.62, 0.66, 0.70)), (0.28, (0.30, 0.36, 0.44)),
+                      (0.62, (0.55, 0.66, 0.82)), (0.80, (1.1, 1.1, 1.08))), "ground": (0.28, 0.285, 0.29), "exposure": -0.55,
+              "brightest": 4.0},
+    "dark": {"sky": ((0.0, (0.03, 0.04, 0.05)), (0.06, (0.30, 0.36, 0.44)), (0.22, (0.05, 0.07, 0.10)),
+                     (0.60, (0.16, 0.20, 0.28)), (0.78, (1.2, 1.2, 1.15))), "ground": (0.035, 0.037, 0.042), "exposure": 0.0,
+             "brightest": 1.0}}
 EDGE_DEPTH = 0.6      # power of its colour that an edge of glass has
-EXPOSURE = -0.55      # [stops]
 LEVEL = 1e-3          # [of the size of the scene] within which a body that is flat lies on the ground
 
 
@@ -42,8 +46,9 @@ def main() -> None:
     for material in bpy.data.materials:
         _dress(material, job["looks"])
     _hide_floors(job["ground"], job["static"])
-    _ground(job["ground"])
-    _light(job["light"])
+    backdrop = BACKDROPS[job["backdrop"]]
+    _ground(job["ground"], backdrop["ground"])
+    _light(job["light"], backdrop["sky"])
     _camera(job["camera"])
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
@@ -54,13 +59,13 @@ def main() -> None:
     scene.cycles.use_denoising = bool(getattr(bpy.app.build_options, "openimagedenoise", False))
     scene.cycles.max_bounces = scene.cycles.transmission_bounces = scene.cycles.transparent_max_bounces = BOUNCES
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
-    scene.cycles.blur_glossy, scene.cycles.sample_clamp_indirect = 1.0, BRIGHTEST
+    scene.cycles.blur_glossy, scene.cycles.sample_clamp_indirect = 1.0, backdrop["brightest"]
     scene.render.use_persistent_data = True
     if job["threads"]:
         scene.render.threads_mode, scene.render.threads = "FIXED", job["threads"]
     scene.view_settings.view_transform = "Filmic"
     scene.view_settings.look = "High Contrast"  # Filmic alone makes colours pale
-    scene.view_settings.exposure = EXPOSURE
+    scene.view_settings.exposure = backdrop["exposure"]
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
     for number, path in zip(job["frames"], job["pictures"]):
@@ -135,7 +140,7 @@ def _hide_floors(ground: dict[str, Any], static: list[str]) -> None:
                 thing.animation_data_clear()
 
 
-def _ground(ground: dict[str, Any]) -> None:
+def _ground(ground: dict[str, Any], colour: tuple[float, ...]) -> None:
     """Adds a matt plane that reaches to where the sky hides its end."""
     reach = 60.0 * ground["size"]
     x, y = ground["centre"]
@@ -145,13 +150,13 @@ def _ground(ground: dict[str, Any]) -> None:
     material = bpy.data.materials.new("ground")
     material.use_nodes = True
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    _put(shader, {"Base Color": (0.28, 0.285, 0.29, 1.0), "Roughness": 0.6, "Specular": 0.2, "Specular IOR Level": 0.2})
+    _put(shader, {"Base Color": (*colour, 1.0), "Roughness": 0.6, "Specular": 0.2, "Specular IOR Level": 0.2})
     mesh.materials.append(material)
     bpy.context.scene.collection.objects.link(bpy.data.objects.new("ground", mesh))
 
 
-def _light(towards: list[float]) -> None:
-    """Adds a sun in the direction `towards`, and a sky that is bright at the horizon."""
+def _light(towards: list[float], sky: tuple[Any, ...]) -> None:
+    """Adds a sun in the direction `towards`, and a sky of these colours."""
     lamp = bpy.data.lights.new("sun", "SUN")
     lamp.energy, lamp.angle = 4.2, SUN_SIZE
     thing = bpy.data.objects.new("sun", lamp)
@@ -165,7 +170,7 @@ def _light(towards: list[float]) -> None:
     links.new(place.outputs["Generated"], split.inputs[0])
     links.new(split.outputs["Z"], ramp.inputs[0])
     stops = ramp.color_ramp.elements
-    for k, (height, colour) in enumerate(SKY):
+    for k, (height, colour) in enumerate(sky):
         stop = stops[k] if k in (0, 1) else stops.new(height)
         stop.position, stop.color = height, (*colour, 1.0)
     back = next(node for node in nodes if node.type == "BACKGROUND")

@@ -18,7 +18,7 @@ from sunder_tools.pictures.meshes import load_scene
 from sunder_tools.pictures.playback import Playback
 from sunder_tools.pictures.story import Shape, Thing
 from sunder_tools.pictures.usda import usda_text
-from sunder_tools.report.appearance import (ACRYLIC, BRASS, CLOTH, FOAM, GLASS, ICE, IRON, LEAD, NAMED, PAINT, PLASTER, PLASTIC,
+from sunder_tools.report.appearance import (ACRYLIC, BRASS, CLOTH, FLOOR, FOAM, GLASS, ICE, IRON, LEAD, NAMED, PAINT, PLASTER, PLASTIC,
                                             PORCELAIN, STEEL, UNKNOWN, WOOD, appearance_of, as_linear, unknown)
 from sunder_tools.report.scene_text import SCENE_COPY, parse_text, words_of
 
@@ -118,9 +118,10 @@ class Pictures(unittest.TestCase):
     def test_a_body_without_a_material_takes_no_material_s_name(self) -> None:
         words = words_of(parse_text("""materials { name: "glass" density: 2500 } materials { name: "plate" density: 900 }
             shells { name: "pane" material: "glass" } bodies { name: "glass" } bodies { name: "glass_edge" } bodies { name: "plate" }
-            bodies { name: "block" material: "plate" } bodies { name: "floor" }"""), [])
+            bodies { name: "block" material: "plate" } bodies { name: "floor" half_space {} }"""), [])
         self.assertEqual([material_of_body(k, words)[0] for k in range(1, 6)],
                          ["glass_body", "glass_edge_body", "plate_body", "plate", "floor"])
+        self.assertEqual([material_of_body(k, words)[1] for k in (1, 5)], [STEEL, FLOOR])
 
     def test_the_page_is_told_the_same_colours(self) -> None:
         with tempfile.TemporaryDirectory() as name:

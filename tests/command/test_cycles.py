@@ -56,6 +56,8 @@ class Refused(OfARun):
     def test_what_it_does_not_draw(self) -> None:
         self.assertIn("--colour speed: Cycles draws materials as they are", self.refused("--colour", "speed"))
         self.assertIn("--sheet: goes without --cycles", self.refused("--sheet"))
+        status, said = self.sunder("render", "--backdrop", "dark")
+        self.assertEqual((status, "--backdrop: goes with --cycles only" in said), (2, True), said)
         self.assertIn("leave --frames out", self.refused("--film", "--speed", "0.1", "--frames", "0"))
 
     def test_without_blender_nothing_is_installed_into_a_build_of_the_users_own(self) -> None:
@@ -100,6 +102,14 @@ class Drawn(OfARun):
             both, either = (masks[0] & masks[1]).sum(), (masks[0] | masks[1]).sum()
             self.assertGreater(both, 800)
             self.assertGreater(both / either, SAME, view)
+
+    def test_a_dark_backdrop_is_dark_and_lights_the_scene(self) -> None:
+        (self.folder / SCENE_COPY).write_text('materials { name: "clay" density: 1 }\n'
+                                              'shells { name: "pane" material: "clay" thickness_m: 1e-3 }')
+        light, dark = (self.still("--view", "top", "--cycles", "16", "--backdrop", name) for name in ("light", "dark"))
+        corner = (slice(0, 12), slice(0, 12))  # ground
+        self.assertLess((dark[corner] ** 2.2).mean(), 0.35 * (light[corner] ** 2.2).mean(), "in linear light")
+        self.assertGreater(dark.max(), 0.5 * light.max(), "the pane is lit")
 
     def test_glass_metal_and_cloth_look_like_it(self) -> None:
         """A sheet with a board under its left half, from above and from where a mirror shows the sun."""

@@ -35,6 +35,7 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--cycles", metavar="N", type=count, nargs="?", const=SAMPLES,
                         help="draw with Blender's Cycles: glass, metal and cloth by the\nscene's materials; N rays a pixel "
                              f"(default: {SAMPLES}); takes\nminutes a picture")
+    add_choice(parser, "--backdrop", ("light", "dark"), "ground and sky of --cycles (default: light)")
     parser.add_argument("--no-caption", action="store_true", help="no time in the corner")
     parser.add_argument("--rate", "--fps", metavar="FPS", type=positive,
                         help="pictures a second of the film (default: it lasts six\nseconds, within 4 to 30; with --speed 24)")
@@ -52,10 +53,12 @@ def run(arguments: argparse.Namespace) -> int:
         raise CommandError("--sheet goes with none of --film, --frames and --out", BAD_INPUT)
     if arguments.sheet and arguments.cycles:
         raise CommandError("--sheet: goes without --cycles", BAD_INPUT)
+    if arguments.backdrop and not arguments.cycles:
+        raise CommandError("--backdrop: goes with --cycles only", BAD_INPUT)
     if arguments.speed is not None and not arguments.film:
         raise CommandError("--speed: goes with --film only", BAD_INPUT)
     shot = Shot(arguments.size, arguments.view, arguments.zoom, arguments.close, not arguments.no_caption,
-                Look(arguments.colour), arguments.cycles)
+                Look(arguments.colour), arguments.cycles, *([arguments.backdrop] if arguments.backdrop else []))
     return render(arguments.folder, arguments.out, arguments.film, arguments.sheet, arguments.frames, shot,
                   arguments.rate, arguments.jobs, arguments.speed)
 

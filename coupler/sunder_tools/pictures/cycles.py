@@ -27,17 +27,20 @@ from .shadows import LIGHT
 
 SCRIPT = COUPLER / "blender" / "sunder_cycles.py"
 DRAWN, FAILED = "sunder-drawn ", "sunder-failed "  # how the script's lines begin
+BACKDROPS = ("light", "dark")  # as the script has them
 LAST_LINES = 12  # of Blender's words that a message repeats
 FAR = 1e4        # [of the size of the ground] where the camera's view ends
 
 
 @dataclass(frozen=True)
 class Cycles:
-    """How to draw: rays for each pixel, how fast time runs in the film (None: a picture a frame), threads (0: all)."""
+    """How to draw: rays for each pixel, how fast time runs in the film (None: a picture a frame), threads (0: all), what is
+    around the scene (one of BACKDROPS)."""
     samples: int
     fps: float
     speed: float | None
     threads: int = 0
+    backdrop: str = BACKDROPS[0]
 
 
 def find_blender() -> str:
@@ -60,7 +63,7 @@ def job_of(folder: Path, how: Cycles, numbers: Sequence[int], pictures: Sequence
     """Returns what the script is told. Lengths are in metres, the focal length is in pixels. Raises VtpError, OSError."""
     return {
         "folder": str(folder.resolve()), "fps": how.fps, "speed": how.speed or 0.0, "samples": how.samples,
-        "threads": how.threads, "frames": [int(n) for n in numbers], "pictures": [str(path) for path in pictures],
+        "threads": how.threads, "backdrop": how.backdrop, "frames": [int(n) for n in numbers], "pictures": [str(path) for path in pictures],
         "looks": {name: {"kind": look.kind, "colour": as_linear(look.colour), "roughness": look.roughness}
                   for name, look in scene_words(folder).appearances}, "light": LIGHT.tolist(),
         "static": static_names(folder),

@@ -1,7 +1,7 @@
 """Names and looks of materials in pictures and exports. Nothing here or below needs PIL: Blender's own Python has numpy alone."""
 from __future__ import annotations
 
-from ..report.appearance import GLASS, STEEL, Appearance, unknown
+from ..report.appearance import FLOOR, GLASS, STEEL, Appearance, unknown
 from ..report.scene_text import Words
 from .thick import OTHER, SIDE_NAMES
 
@@ -38,17 +38,18 @@ def material_of_shards(part: int, words: Words) -> Named:
 
 
 def material_of_body(number: int, words: Words) -> Named:
-    """The same for a body of the scene, by its number. Where the scene names no material it is steel, with the name of the body;
-    `_body` is added to one that a material has."""
+    """The same for a body of the scene, by its number. Where the scene names no material it is steel, a half space a matt floor,
+    with the name of the body; `_body` is added to one that a material has."""
     name = words.body_materials[number - 1] if 0 < number <= len(words.bodies) else ""
     if name:
         return name, dict(words.appearances).get(name, STEEL)
     name = name_of_body(number, words)
+    look = FLOOR if name in words.half_spaces else STEEL
     taken = {slot_name(material, side) for material in (*words.materials, *words.body_materials, *dict(words.appearances))
              for side in (*SIDE_NAMES, OTHER)}
     while name in taken:
         name += "_body"
-    return name, STEEL
+    return name, look
 
 
 def name_of_body(number: int, words: Words) -> str:

@@ -23,7 +23,7 @@ from ..places import BUILD_DIR_VARIABLE, work_folder
 from ..replacing import replacing
 from .between import FPS, film_frames
 from .contact_sheet import SAMPLES, boxes, ground_of, moment_text, stand, towards_what_is_hit, write_contact_sheet
-from .cycles import Cycles, drawn
+from .cycles import BACKDROPS, Cycles, drawn
 from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
 from .ground import Ground
 from .lettering import draw_colour_bar, draw_text
@@ -59,6 +59,7 @@ class Shot:
     caption: bool = True
     look: Look = Look()
     samples: int | None = None  # rays a pixel of Blender's Cycles; None: drawn by the contact sheet's rasteriser
+    backdrop: str = BACKDROPS[0]  # around a scene that Cycles draws
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | 
     with telling(target):
         stage = _set_stage(folder, frames, numbers, shot)
         pictures = _drawn(stage, numbers, jobs) if shot.samples is None else _by_cycles(
-            folder, stage, numbers, Cycles(shot.samples, fps, speed, jobs))
+            folder, stage, numbers, Cycles(shot.samples, fps, speed, jobs, shot.backdrop))
         if film:
             seconds_each = 1.0 / (rate or float(np.clip(len(numbers) / FILM_S, *FRAMES_A_SECOND)))
             _write_film(target, pictures, shot.size, seconds_each)

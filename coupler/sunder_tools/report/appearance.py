@@ -58,6 +58,7 @@ SNOW = Appearance("plain", (0.96, 0.97, 0.98), 0.95)
 LEATHER = Appearance("plain", (0.45, 0.29, 0.20), 0.55)
 FLESH = Appearance("plain", (0.87, 0.68, 0.58), 0.60)
 CLOTH = Appearance("cloth", (0.79, 0.44, 0.38), 0.90)
+FLOOR = Appearance("plain", (0.62, 0.62, 0.61), 0.85)  # of a half space that the scene gives no material
 STEEL = Appearance("metal", (0.58, 0.60, 0.63), 0.28)
 IRON = Appearance("metal", (0.46, 0.46, 0.47), 0.45)
 ALUMINIUM = Appearance("metal", (0.78, 0.79, 0.81), 0.25)

@@ -112,6 +112,7 @@ class Words:
     appearances: tuple[tuple[str, Appearance], ...] = ()  # (material, how it looks)
     endless: bool = False                 # some body is a half space
     speeds: tuple[tuple[str, float], ...] = ()  # (body, [m/s] at the start) of bodies that move
+    half_spaces: tuple[str, ...] = ()     # names of bodies
 
     def mass_under(self, probe: str) -> float | None:
         """[kg] of the body that the probe follows; None where that is not known."""
@@ -230,7 +231,8 @@ def words_of(scene: Message, settings: list[str]) -> Words:
                  tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density), tuple(thickness),
                  tuple(str(_one(b, "name", default="")) for b in bodies),
                  tuple(str(_one(b, "material", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z),
-                 tuple(looks.items()), any("half_space" in b for b in bodies), tuple(speeds))
+                 tuple(looks.items()), any("half_space" in b for b in bodies), tuple(speeds),
+                 tuple(str(_one(b, "name", default="")) for b in bodies if "half_space" in b))
 
 
 def _appearances(scene: Message) -> dict[str, Appearance]:
