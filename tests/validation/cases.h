@@ -56,6 +56,7 @@ std::vector<Case> bar_cases();
 std::vector<Case> face_cases();
 std::vector<Case> sensitivity_cases();
 std::vector<Case> contact_cases();
+std::vector<Case> crumple_cases();
 std::vector<Case> fibre_cases();
 std::vector<Case> soft_cases();
 std::vector<Case> seam_cases();

@@ -67,6 +67,7 @@ Suites all_suites() {
   const auto add = [&](const char* suite, const std::vector<Case>& more) {
     suites.all[suite].insert(suites.all[suite].end(), more.begin(), more.end());
   };
+  add("contact", crumple_cases());
   add("shells", roof_cases()), add("shells", dynamic_cases()), add("shells", transfer_cases());
   add("cracks", tip_cases()), add("cracks", bar_cases()), add("cracks", face_cases()),
       add("cracks", sensitivity_cases());
