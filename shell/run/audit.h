@@ -45,7 +45,8 @@ struct Audit {
   // Empty: none.
   std::string beside{};
   double beside_energy = 0.0, frozen_time = 0.0;
-  bool at_latest = false;  // it was frozen by latest_freeze_s; else since cracks were quiet
+  bool at_latest = false;        // it was frozen by latest_freeze_s; else since cracks were quiet
+  double engine_returned = 0.0;  // largest fall of what the rigid engine has taken, below its maximum so far [J]
 };
 
 /// Returns the energy [J] that cracks should take by the material's fracture energy and their area. Only cracks that

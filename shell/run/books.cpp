@@ -83,6 +83,9 @@ void Books::close(Simulation& simulation, double energy, double time) {
   const double contact = book.contact;
   contact_taken = std::max(contact_taken, contact);
   contact_returned = std::max(contact_returned, contact_taken - contact);
+  const double by_engine = simulation.state.engine_loss;
+  engine_taken = std::max(engine_taken, by_engine);
+  engine_returned = std::max(engine_returned, engine_taken - by_engine);
 }
 
 namespace {
@@ -158,7 +161,7 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
                       books.frozen_kinetic, grid, keeps, books.crack_surface(simulation), rubble, books.largest_gap,
                       books.window_gap, books.window_gap_time, books.deforming,
                       books.frozen_beside < 0 ? "" : simulation.model.setup.bodies[books.frozen_beside].name,
-                      books.frozen_beside_energy, books.frozen_time, at_latest});
+                      books.frozen_beside_energy, books.frozen_time, at_latest, books.engine_returned});
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   if (const std::string whole = never_breaks(shells); !whole.empty()) out.insert(out.begin(), whole);

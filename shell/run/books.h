@@ -23,6 +23,8 @@ struct Books {
   double deforming = 0.0;
   double contact_taken = 0.0;     // largest value of the contact book so far
   double contact_returned = 0.0;  // largest fall below it; contact can only take energy
+  double engine_taken = 0.0;      // the same of contacts and joints between bodies
+  double engine_returned = 0.0;
   double frozen_kinetic = 0.0;    // kinetic energy of the shells when they were frozen
   double frozen_length = 0.0;     // length of their cracks then [m]
   CrackSurface frozen_surface{};  // surface of their cracks then

@@ -1,4 +1,5 @@
 // The energy books of a run.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -97,6 +98,28 @@ TEST(Books, KeepTheMostThatContactHasGivenBack) {
     rig.state().book.contact = taken, books.close(rig.simulation(), 0, 0);
   EXPECT_EQ(books.contact_taken, 3.0);
   EXPECT_NEAR(books.contact_returned, 0.5, 1e-15);
+}
+
+// An engine that gives a body speed is told, with shells in the scene and without.
+TEST(Books, KeepTheMostThatTheEngineHasMade) {
+  RunSetup setup;
+  setup.end_time = 1.0;
+  Rig rig(std::move(setup));
+  rig.now().kinetic = 4.0;
+  Books books;
+  books.open(rig.simulation(), 4.0);
+  for (const double taken : {0.5, 0.47, 0.9, 0.88})
+    rig.now().engine_loss = taken, books.close(rig.simulation(), 4.0, 0.0);
+  EXPECT_NEAR(books.engine_returned, 0.03, 1e-15);
+  const auto told = [&] {
+    const std::vector<std::string> all = warnings(books, rig.simulation(), 0.0, 0.0);
+    return std::count_if(all.begin(), all.end(), [](const std::string& w) {
+      return w.find("the rigid engine has made 10.0 % of the energy there was") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(told(), 0);
+  rig.now().engine_loss = 0.5, books.close(rig.simulation(), 4.0, 0.0);
+  EXPECT_EQ(told(), 1);
 }
 
 TEST(Books, StopARunWhoseEnergyHasGoneBeyondWhatTheSceneHas) {
