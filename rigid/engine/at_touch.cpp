@@ -1,5 +1,6 @@
 #include "rigid/engine/at_touch.h"
 
+#include <algorithm>
 #include <variant>
 
 namespace sunder::rigid {
@@ -29,7 +30,8 @@ Shift shift_between(const BodyMotion& from, const BodyMotion& to) {
   return {to.position - from.position, rotation_vector(to.orientation * from.orientation.conjugate())};
 }
 
-double touch_time(const Flight& first, const Flight& second, double window_s, double allowance, double guess) {
+std::optional<double> touch_time(const Flight& first, const Flight& second, double window_s, double allowance,
+                                 double guess) {
   const SphereShape *one = ball(*first.body), *other = ball(*second.body);
   if (!one || !other) return guess;
   const double wanted = one->radius + other->radius - allowance;
@@ -40,9 +42,10 @@ double touch_time(const Flight& first, const Flight& second, double window_s, do
     const double rest = window_s - touch;
     const Vec3 apart = apart_at_end - rest * speed_at_end + 0.5 * rest * rest * pull;
     const double distance = apart.norm(), opening = apart.dot(speed_at_end - rest * pull) / distance;
-    if (!(opening < 0.0)) return guess;  // they pass one another
-    const double next = touch - (distance - wanted) / opening;
-    if (!(next >= 0.0 && next <= window_s)) return guess;
+    if (touch == 0.0 && distance <= wanted) return touch;  // they overlap from the start
+    if (!(opening < 0.0)) return {};
+    const double next = std::max(0.0, touch - (distance - wanted) / opening);
+    if (next > window_s) return {};
     if (next == touch) break;
     touch = next;
   }

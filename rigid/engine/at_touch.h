@@ -1,6 +1,8 @@
 #pragma once
 // Two moving bodies at their touch within a window. Solved there, a rebound keeps their angular momentum: at the
 // window's end their tangential motion has carried them on, and the same impulse would turn the pair.
+#include <optional>
+
 #include "coupler/core/body.h"
 #include "rigid/engine/way_back.h"
 
@@ -23,9 +25,10 @@ struct Flight {
   Vec3 pull;
 };
 
-/// When two balls touch [s], from a first guess along the normal at the window's start; other shapes: the guess. They
-/// may keep an overlap of `allowance` [m].
-double touch_time(const Flight& first, const Flight& second, double window_s, double allowance, double guess);
+/// When two balls touch [s since the window's begin], from a first guess along the normal at its start; none where they
+/// pass one another, or touch after the window. Other shapes: the guess. They may keep an overlap of `allowance` [m].
+std::optional<double> touch_time(const Flight& first, const Flight& second, double window_s, double allowance,
+                                 double guess);
 
 /// The normal at the touch, from the second body to the first: that of two balls goes through their centres, any other
 /// stays `before`.

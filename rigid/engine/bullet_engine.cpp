@@ -87,6 +87,7 @@ struct BouncePair {
   Transit *first, *second;
   RigidBody first_touch, second_touch;
   BodyMotion first_end = {}, second_end = {};
+  bool turns_far = false;  // one of them, on its way back: no sweep can tell what it meets
 };
 
 /// Sets the average velocities that lead to the predicted state.
@@ -201,7 +202,8 @@ BouncePair BulletEngine::Impl::bounce(double window_s, Transit& first, Transit& 
   BouncePair pair{&first, &second, {}, {}};
   const auto flight = [](const Transit& t) { return Flight{&t.held->body, t.predicted, t.pull}; };
   const double kept = world.overlap_kept(first.held->body.id, second.held->body.id) / kLengthScale;
-  const double rest = window_s - touch_time(flight(first), flight(second), window_s, kept, touch);
+  const std::optional<double> met = touch_time(flight(first), flight(second), window_s, kept, touch);
+  const double rest = met ? window_s - *met : 0.0;
   const auto reach = [&](Transit& t) {
     RigidBody there = before_end(t.held->body, *t.predicted, t.pull, rest);
     t.held->rigid->setCenterOfMassTransform(bullet_pose(there.motion));
@@ -210,12 +212,13 @@ BouncePair BulletEngine::Impl::bounce(double window_s, Transit& first, Transit& 
     return there;
   };
   pair.first_touch = reach(first), pair.second_touch = reach(second);
-  world.bounce_apart(window_s, first.held->body.id, second.held->body.id);
+  if (met) world.bounce_apart(window_s, first.held->body.id, second.held->body.id);
   const auto leave = [&](const Transit& t, RigidBody there) {
     const Shift by =
         change(*t.held->rigid, plain(Vec3(kLengthScale * there.motion.velocity)), plain(there.angular_velocity()));
     there.motion.velocity += by.linear;
     there.motion.angular_momentum += there.apply_inertia(by.turn);
+    pair.turns_far = pair.turns_far || there.angular_velocity().norm() * rest > kFastTurn;
     return flown_on(there, t.pull, rest);
   };
   pair.first_end = leave(first, pair.first_touch), pair.second_end = leave(second, pair.second_touch);
@@ -294,7 +297,7 @@ void BulletEngine::Impl::fly_on(double window_s, std::vector<Transit>& transits,
   for (std::size_t n = 0; n < pairs.size(); ++n) {
     for (const auto& [t, end] :
          {std::pair(pairs[n].first, &pairs[n].first_end), std::pair(pairs[n].second, &pairs[n].second_end)}) {
-      if (shares[on_static + n] >= 1.0) t->held->body.motion = *end;
+      if (shares[on_static + n] >= 1.0 && !pairs[n].turns_far) t->held->body.motion = *end;
       t->held->rigid->setCenterOfMassTransform(bullet_pose(t->held->body.motion));
     }
   }

@@ -199,7 +199,7 @@ const ContactLaw& BulletWorld::law(const btCollisionObject& a, const btCollision
 
 bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
   world_->find(window_s);
-  rows_.clear();
+  rows_.clear(), of_pairs_.clear();
   for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
     btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
     const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
@@ -212,8 +212,8 @@ bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
       act_at_one_point(point, a, b);
       const btVector3 closing =
           velocity_at(b, point.getPositionWorldOnB()) - velocity_at(a, point.getPositionWorldOnA());
-      rows_.push_back(
-          {&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, 0.0, false, false});
+      rows_.push_back({&manifold, &point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, 0.0,
+                       false, false});
     }
   }
   update_allowances();
@@ -416,13 +416,13 @@ double BulletWorld::overlap_kept(BodyId first, BodyId second) const {
 }
 
 void BulletWorld::bounce_apart(double window_s, BodyId first, BodyId second) {
-  const BodyPair pair = ordered(first, second);
-  const auto of_pair = [&](const btCollisionObject& a, const btCollisionObject& b) {
-    return ordered(BodyTag::id(a), BodyTag::id(b)) == pair;
-  };
-  const PointMemory kept(rows_);
-  for (Row& row : rows_) {
-    if (!of_pair(*row.first, *row.second)) continue;
+  if (of_pairs_.empty())
+    for (const Row& row : rows_) of_pairs_[ordered(BodyTag::id(*row.first), BodyTag::id(*row.second))].push_back(row);
+  std::vector<Row>& rows = of_pairs_.at(ordered(first, second));
+  const PointMemory kept(rows);
+  std::vector<btPersistentManifold*> manifolds;
+  for (Row& row : rows) {
+    if (manifolds.empty() || manifolds.back() != row.manifold) manifolds.push_back(row.manifold);
     btManifoldPoint& point = *row.point;
     point.setDistance(kLeftOut);
     if (!row.acted) continue;
@@ -436,11 +436,6 @@ void BulletWorld::bounce_apart(double window_s, BodyId first, BodyId second) {
     const double closing = (velocity_at(*row.second, here_b) - velocity_at(*row.first, here_a)).dot(normal);
     set_target(point, row.restitution * std::max(0.0, closing), window_s);
   }
-  std::vector<btPersistentManifold*> manifolds;
-  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
-    btPersistentManifold* manifold = dispatcher_.getManifoldByIndexInternal(i);
-    if (of_pair(*manifold->getBody0(), *manifold->getBody1())) manifolds.push_back(manifold);
-  }
   btCollisionObject* both[] = {bodies_.at(first), bodies_.at(second)};
   btContactSolverInfo info = world_->getSolverInfo();
   info.m_timeStep = window_s;
@@ -449,7 +444,7 @@ void BulletWorld::bounce_apart(double window_s, BodyId first, BodyId second) {
   btSequentialImpulseConstraintSolver solver;
   solver.solveGroup(both, 2, manifolds.data(), static_cast<int>(manifolds.size()), nullptr, 0, info, nullptr,
                     &dispatcher_);
-  kept.restore(rows_, [](const Row&) { return false; });
+  kept.restore(rows, [](const Row&) { return false; });
 }
 
 WorldMemory BulletWorld::memory() const {
@@ -469,7 +464,7 @@ void BulletWorld::clear() {
   bodies_.clear();
   broadphase_.resetPool(&dispatcher_);
   solver_.reset();
-  rows_.clear();
+  rows_.clear(), of_pairs_.clear();
   allowances_.clear();
 }
 

@@ -105,6 +105,7 @@ class BulletWorld {
 
  private:
   struct Row {
+    btPersistentManifold* manifold;
     btManifoldPoint* point;
     const btCollisionObject *first, *second;
     double approach;     // closing speed before solve() [cm/s]
@@ -146,6 +147,7 @@ class BulletWorld {
   std::map<std::pair<std::uint32_t, std::uint32_t>, ContactLaw> laws_;  // lower group first
   ContactLaw other_pairs_;                                              // friction 0.5, restitution 0
   std::vector<Row> rows_;
+  std::map<BodyPair, std::vector<Row>> of_pairs_;  // rows, for bounce_apart(); empty: not asked for yet in this window
   std::map<BodyPair, double> allowances_;
   std::map<BodyId, btRigidBody*> bodies_;
 };

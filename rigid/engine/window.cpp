@@ -214,20 +214,23 @@ class Transit {
     int first, second;
     RigidBody first_touch, second_touch;  // as they reach it
     BodyMotion first_end, second_end;
+    bool turns_far = false;  // one of them, on its way back: no sweep can tell what it meets
   };
   /// Solves the rebound of meeting k at its touch, with the other contacts of the two that acted.
   Pair bounce(std::size_t k) {
     const int first = meetings_[k].first, second = meetings_[k].second;
     const auto flight = [&](int i) { return Flight{movers_[i].body, &given_[i], pull(i)}; };
-    const double rest = h_ - touch_time(flight(first), flight(second), h_, meetings_[k].allowance, rebounds_[k]->touch);
+    const std::optional<double> touch =
+        touch_time(flight(first), flight(second), h_, meetings_[k].allowance, rebounds_[k]->touch);
+    const double rest = touch ? h_ - *touch : 0.0;
     const auto at_touch = [&](int i) { return before_end(*movers_[i].body, given_[i], pull(i), rest); };
     RigidBody one = at_touch(first), other = at_touch(second);
     std::vector<SolverBody> both;
     for (const auto& [i, b] : {std::pair(first, &one), std::pair(second, &other)})
       both.push_back(at(i, b->motion, b->motion.velocity, b->angular_velocity()));
     const std::vector<SolverBody> before = both;
-    std::vector<SolverContact> contacts;
-    for (std::size_t n = 0; n < meetings_.size(); ++n) {
+    std::vector<SolverContact> contacts;  // none where they pass one another
+    for (std::size_t n = 0; touch && n < meetings_.size(); ++n) {
       const Meeting& m = meetings_[n];
       if (m.first != first || m.second != second || !acted_[n]) continue;
       const Vec3 normal = normal_at_touch(one, other, m.normal);
@@ -236,11 +239,12 @@ class Transit {
       const double closing = normal.dot(velocity_at(both[1], here) - velocity_at(both[0], here));
       contacts.push_back({0, 1, here, normal, m.law->friction, m.law->restitution * std::max(0.0, closing), false});
     }
-    solver_.solve(h_, 0.0, both, {}, contacts);
+    if (touch) solver_.solve(h_, 0.0, both, {}, contacts);
     Pair pair{first, second, one, other, {}, {}};
     const auto end = [&](int i, RigidBody body, int slot) {
       body.motion.velocity += both[slot].velocity - before[slot].velocity;
       body.motion.angular_momentum += body.apply_inertia(both[slot].spin - before[slot].spin);
+      pair.turns_far = pair.turns_far || body.angular_velocity().norm() * rest > kFastTurn;
       return flown_on(body, pull(i), rest);
     };
     pair.first_end = end(first, one, 0), pair.second_end = end(second, other, 1);
@@ -306,7 +310,7 @@ class Transit {
       go_on(d.second, d.second_shift, shares[n], slots_[d.first] < 0 ? rests[n] : 0.0);
     }
     for (std::size_t n = 0; n < pairs.size(); ++n) {
-      if (shares[on_static + n] < 1.0) continue;
+      if (shares[on_static + n] < 1.0 || pairs[n].turns_far) continue;
       ends_[pairs[n].first].motion = pairs[n].first_end;
       ends_[pairs[n].second].motion = pairs[n].second_end;
     }

@@ -2,7 +2,9 @@
 // rebound at the begin of its step.
 import * as m from './algebra.mjs';
 import { kLength } from './jolt_shapes.mjs';
-import { commonTouch, energyOf, flown, isFree, pullOf, struck, touchOf, velocitiesOf } from './rebound.mjs';
+import {
+  areBalls, commonTouch, energyOf, flown, isFree, isParting, partnersOf, pullOf, struck, touchOf, touchOfBalls, velocitiesOf,
+} from './rebound.mjs';
 
 /** Largest gain of energy, relative: residuals of Jolt's solver, in single precision. */
 const kGain = 1e-5;
@@ -10,12 +12,11 @@ const kGain = 1e-5;
 const kImpactSpeed = 0.05; // [m/s]
 const moves = (held) => !held.body.is_static;
 
-/** Pairs that may bounce: { first, second, touch [s] }. `seen`: contacts of the window (jolt_world.mjs). */
+/** Pairs that may bounce: { first, second, touch [s], normals }; `touch` is null where two balls pass one another. `seen`:
+ * contacts of the window (jolt_world.mjs). */
 function pairsOf(seen, pull, window) {
-  const partners = new Map(), groups = new Map();
+  const groups = new Map(), partners = partnersOf(seen.map(({ first, second }) => [first, second]), moves);
   for (const { first, second, ...contact } of seen) {
-    for (const [held, other] of [[first, second], [second, first]])
-      if (moves(held)) partners.set(held, (partners.get(held) ?? other) === other ? other : null);
     const key = `${first.id} ${second.id}`;
     if (!groups.has(key)) groups.set(key, { first, second, contacts: [] });
     groups.get(key).contacts.push(contact);
@@ -35,7 +36,10 @@ function pairsOf(seen, pull, window) {
       return touchOf(gap, approach, m.dot(normal, m.subtract(pull(second), pull(first))), restitution, window);
     });
     const touch = commonTouch(touches, window);
-    if (touch !== null) found.push({ first, second, touch });
+    if (touch === null) continue;
+    const met = areBalls(first, second) && moves(first) && moves(second) ?
+      touchOfBalls(first, second, (held) => held.predicted, pull, window, touch) : touch;
+    found.push({ first, second, touch: met, normals: contacts.map(({ normal }) => normal) });
   }
   return found;
 }
@@ -49,7 +53,9 @@ export function bounceApart(engine, window) {
     if (!pulls.has(held)) pulls.set(held, pullOf(held.departure.linear, held.predicted, window));
     return pulls.get(held);
   };
-  const pairs = pairsOf(engine.world.seen, pull, window);
+  const all = pairsOf(engine.world.seen, pull, window), pairs = all.filter(({ touch }) => touch !== null);
+  for (const { first, second } of all.filter(({ touch }) => touch === null))
+    for (const held of [first, second]) held.motion = held.predicted;
   if (pairs.length === 0) return;
   const touches = new Map(); // motions with which bodies reach their touch
   for (const { first, second, touch } of pairs)
@@ -63,7 +69,8 @@ export function bounceApart(engine, window) {
     engine.world.put(held.rigid, motion, put.linear, put.angular);
   }
   engine.world.bounce(window, pairs.map(({ first, second }) => [first, second]));
-  for (const { first, second, touch } of pairs) {
+  const bodies = [...engine.held.values()], wayOf = (held) => (moves(held) ? held.way : 0);
+  for (const { first, second, touch, normals } of pairs) {
     const both = [first, second].filter(moves), rest = window - touch;
     const after = new Map(both.map((held) => {
       const now = engine.world.read(held.rigid), { linear, angular } = given.get(held), motion = touches.get(held);
@@ -71,11 +78,11 @@ export function bounceApart(engine, window) {
       return [held, struck(motion, m.scale(1 / kLength, m.subtract(now.linear, linear)), turn)];
     }));
     if (both.every((held) => m.norm(m.subtract(after.get(held).velocity, touches.get(held).velocity)) === 0)) continue;
-    const sum = (motions) => both.reduce((all, held) => all + energyOf(held, motions.get(held)), 0);
+    const sum = (motions) => both.reduce((total, held) => total + energyOf(held, motions.get(held)), 0);
     if (sum(after) > sum(touches) * (1 + kGain)) continue;
-    const others = [...engine.held.values()].filter((held) => held !== first && held !== second);
-    const wayOf = (held) => (moves(held) ? held.way : 0);
-    if (!both.every((held) => isFree(held, after.get(held), rest, others, wayOf))) continue;
+    if (!isParting(first, second, normals, (held) => after.get(held) ?? null, pull, rest)) continue;
+    const free = (held) => isFree(held, held === first ? second : first, after.get(held), rest, bodies, wayOf);
+    if (!both.every(free)) continue;
     for (const held of both) held.motion = flown(held, after.get(held), pull(held), rest);
   }
 }

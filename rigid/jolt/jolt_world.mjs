@@ -115,10 +115,15 @@ export class World {
     return law;
   }
 
-  /** Keeps a contact of two bodies: the normal from the first to the second, a point on both, and the gap [m]. */
+  /** Keeps the points of a contact of two bodies: the normal from the first to the second, a place on the first, the gap
+   * [m]. */
   note(first, second, restitution, manifold) {
-    const normal = xyz(manifold.mWorldSpaceNormal), point = m.scale(1 / kLength, xyz(manifold.GetWorldSpaceContactPointOn1(0)));
-    this.seen.push({ first, second, restitution, normal, point, gap: -manifold.mPenetrationDepth / kLength });
+    const normal = xyz(manifold.mWorldSpaceNormal), count = manifold.mRelativeContactPointsOn1.size();
+    for (let i = 0; i < count; ++i) {
+      const on = xyz(manifold.GetWorldSpaceContactPointOn1(i)), to = xyz(manifold.GetWorldSpaceContactPointOn2(i));
+      const gap = m.dot(normal, m.subtract(to, on)) / kLength;
+      this.seen.push({ first, second, restitution, normal, point: m.scale(1 / kLength, on), gap });
+    }
   }
 
   /** Replaces all contact laws. */

@@ -3,6 +3,7 @@
 import * as m from './algebra.mjs';
 
 const kMostPull = 0.2; // change of the closing speed by the pull in a window, as a share of it
+const kMostSteps = 8; // of Newton's method, whose error squares in each
 const kAtOneTime = 0.05; // spread of the touches of a pair [of a window]
 
 /** Radius about a body's centre that holds it [m]. */
@@ -58,14 +59,62 @@ export const velocitiesOf = (held, motion) => ({ linear: motion.velocity, angula
 export const energyOf = (held, motion) => 0.5 * (held.mass * m.dot(motion.velocity, motion.velocity) +
   m.dot(motion.angular_momentum, spinOf(held, motion)));
 
-/** True where no other body comes within reach of a body on its flight from `motion`, for `rest` seconds. `wayOf(other)`: how
- * far another body comes in the window [m]; each body has its `reach`. */
-export function isFree(held, motion, rest, others, wayOf) {
-  const own = held.reach + rest * m.norm(motion.velocity);
-  return others.every((other) => {
-    const apart = m.subtract(motion.position, other.motion.position);
-    if (other.body.is_static && other.reach === Infinity)
-      return m.dot(m.rotate(other.motion.orientation, [0, 0, 1]), apart) > own;
-    return m.norm(apart) > own + other.reach + wayOf(other);
-  });
+/** When two balls touch [s since the window's begin], from a first guess; null where they pass one another or touch later.
+ * `end(held)`, `pull(held)`: predicted motion, and the mean acceleration that leads to it. */
+export function touchOfBalls(first, second, end, pull, window, guess) {
+  const wanted = first.body.shape.sphere + second.body.shape.sphere;
+  const between = (of) => m.subtract(of(second), of(first));
+  const place = between((held) => end(held).position), speed = between((held) => end(held).velocity), pulled = between(pull);
+  let touch = guess;
+  for (let step = 0; step < kMostSteps; ++step) {
+    const rest = window - touch;
+    const apart = m.add(m.subtract(place, m.scale(rest, speed)), m.scale(0.5 * rest * rest, pulled)), distance = m.norm(apart);
+    if (touch === 0 && distance <= wanted) return touch; // they overlap from the start
+    const opening = m.dot(apart, m.subtract(speed, m.scale(rest, pulled))) / distance;
+    if (!(opening < 0)) return null;
+    const next = Math.max(0, touch - (distance - wanted) / opening);
+    if (next > window) return null;
+    if (next === touch) break;
+    touch = next;
+  }
+  return touch;
+}
+
+export const areBalls = (first, second) => first.body.shape.sphere > 0 && second.body.shape.sphere > 0;
+
+/** The partner of each body that moves; null where there are several. `pairs`: [first, second] of contacts. */
+export function partnersOf(pairs, moves) {
+  const partners = new Map();
+  const note = (held, other) => {
+    if (moves(held)) partners.set(held, partners.has(held) && partners.get(held) !== other ? null : other);
+  };
+  for (const [first, second] of pairs) note(first, second), note(second, first);
+  return partners;
+}
+
+/** True where all of the second body goes away from the first along these normals, from the first to the second, for `rest`
+ * seconds. `motion(held)`: after the touch; null for what stands still. */
+export function isParting(first, second, normals, motion, pull, rest) {
+  const speed = (held) => motion(held)?.velocity ?? [0, 0, 0];
+  const rim = [first, second].reduce((sum, held) => sum + (motion(held) === null || held.body.shape.sphere ? 0 :
+    m.norm(spinOf(held, motion(held))) * held.reach), 0);
+  const opening = m.subtract(speed(second), speed(first)), pulled = m.scale(rest, m.subtract(pull(second), pull(first)));
+  return normals.every((normal) => m.dot(normal, opening) + Math.min(0, m.dot(normal, pulled)) >= rim);
+}
+
+/** True where no body but the partner comes within reach of a body on its flight from `motion`, for `rest` seconds: bodies are
+ * taken as the balls around them, with `wayOf(other)`, how far another one comes in the window [m]. */
+export function isFree(held, partner, motion, rest, bodies, wayOf) {
+  const own = held.reach + rest * m.norm(motion.velocity), [x, y, z] = motion.position;
+  for (const other of bodies) {
+    if (other === held || other === partner) continue;
+    const [a, b, c] = other.motion.position;
+    if (other.reach === Infinity) {
+      if (m.dot(m.rotate(other.motion.orientation, [0, 0, 1]), [x - a, y - b, z - c]) <= own) return false;
+      continue;
+    }
+    const near = own + other.reach + wayOf(other);
+    if ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2 <= near * near) return false;
+  }
+  return true;
 }

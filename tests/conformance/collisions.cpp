@@ -1,6 +1,7 @@
 // Collisions of free bodies: momentum is kept, energy does not grow, restitution follows the law.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "tests/conformance/shift.h"
@@ -142,6 +143,62 @@ void bounce_between(Suite& s) {
   s.report.check("speed", off, 0.0, kElasticTolerance, "greatest change, relative");
 }
 
+// Two spheres of unequal size meet off their centres without friction. They touch where they are as far apart as their
+// radii say, exchange (1 + e) of the closing speed along the line of centres, and fly on. An engine that takes the
+// normal or the point of another moment turns them, or is late.
+void bounce_oblique(Suite& s) {
+  for (const double restitution : {0.5, 1.0}) {
+    const double large = 0.05, small = 0.02;
+    const RigidBody a = moving(sphere(1, large), {0.8, 2.0, 0}),
+                    b = moving(at(sphere(2, small), {0.0888, 0.0345, 0.011}), {-1.2, -1.0, 0.2});
+    const Vec3 d = b.motion.position - a.motion.position, v = b.motion.velocity - a.motion.velocity;
+    const double vv = v.squaredNorm(), dv = d.dot(v), over = d.squaredNorm() - (large + small) * (large + small);
+    const double touch = (-dv - std::sqrt(dv * dv - vv * over)) / vv;
+    const Vec3 n = (d + touch * v).normalized();
+    const double closing = -v.dot(n), impulse = (1.0 + restitution) * closing / (1.0 / a.mass + 1.0 / b.mass);
+    Play play(s.target, {{{a, b}, law(0.0, restitution), {}}, Vec3::Zero(), kWindow_s});
+    constexpr double kTime_s = 0.03;
+    play.run(kTime_s);
+    double place = 0.0, rim = 0.0;
+    for (const auto& [body, sign, radius] : {std::tuple(&a, -1.0, large), std::tuple(&b, 1.0, small)}) {
+      const Vec3 change = sign * impulse / body->mass * n;
+      const Vec3 there = body->motion.position + kTime_s * body->motion.velocity + (kTime_s - touch) * change;
+      place = std::max(place, (play.body(body->id).motion.position - there).norm() / (change.norm() * kWindow_s));
+      rim = std::max(rim, play.body(body->id).angular_velocity().norm() * radius / closing);
+    }
+    s.report.check_error(fmt::format("place_{:g}", restitution), place, 0.0, place, kPlaceTolerance,
+                         "the farther one's, in ways that the impact changes in a window");
+    s.report.check(fmt::format("turn_{:g}", restitution), rim, 0.0, kRestitutionTolerance,
+                   "speed of its rim, relative to the closing speed");
+    play.end();
+  }
+}
+
+// A rod comes down on one end. The impact turns it, so that the other end comes down faster than the rod did.
+void bounce_tilted(Suite& s) {
+  const Vec3 half(0.1, 0.01, 0.01);
+  double deepest = 0.0;
+  for (const double restitution : {0.5, 1.0})
+    for (const double tilt : {0.0045, 0.02}) {
+      Play play(s.target,
+                {{{half_space(1), moving(turned(at(box(2, half), {0, 0, 0.0135}), {0, tilt, 0}), {0, 0, -2.0})},
+                  law(0.0, restitution),
+                  {}},
+                 Vec3::Zero(),
+                 kWindow_s});
+      for (int i = 0; i < 40; ++i) {
+        play.window();
+        const BodyMotion& m = play.body(2).motion;
+        for (const double x : {-1.0, 1.0})
+          for (const double y : {-1.0, 1.0})
+            for (const double z : {-1.0, 1.0})
+              deepest = std::max(deepest, -(m.position + m.orientation * half.cwiseProduct(Vec3(x, y, z))).z());
+      }
+      play.end();
+    }
+  s.report.check("inside", deepest, 0.0, kInsideTolerance_m, "greatest depth in the floor [m]");
+}
+
 // Spheres fall beside two that touch and have the lowest and highest id. An engine that solves groups of touching
 // bodies separately must find each group in every solve.
 void bounce_beside(Suite& s) {
@@ -209,6 +266,14 @@ std::vector<Case> restitution_cases() {
        [](Suite& s) {
          bounce(s, sphere(1, 0.05), at(sphere(2, 0.05), {0, 0, 0.1433}), 0.05);
        }},
+      {"restitution_oblique",
+       "two unequal spheres that meet off their centres",
+       {kSpheres, kContact, kRestitution},
+       [](Suite& s) { bounce_oblique(s); }},
+      {"restitution_tilted",
+       "a rod that comes down on one end",
+       {kBoxes, kHalfSpaces, kContact, kRestitution},
+       [](Suite& s) { bounce_tilted(s); }},
       {"restitution_box_floor",
        "the same of a box that comes down flat",
        {kBoxes, kHalfSpaces, kContact, kRestitution},

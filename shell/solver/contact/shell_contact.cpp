@@ -9,8 +9,8 @@ namespace {
 
 // Passes of contact in a substep. An impulse on control points moves the surface by only a share of it. The share falls
 // with the number of touching samples. One pass lets some layers of a crumpled sheet cross, also with a second pass
-// that only stops them; with two passes a few cross for some steps (validate contact --case crumple_starts). With
-// three as many starts do.
+// that only stops them; with two passes a few cross for some steps (validate contact --case crumple_starts). A third
+// pass does not help.
 constexpr int kPasses = 2;
 // Fastest recovery of an overlap: a share of the slower shell's wave speed, and a speed [m/s]. What is parted faster
 // gains energy, as torn cloth does with a share several times as large. No layers of a crumpled film cross with six

@@ -233,7 +233,10 @@ bool binds_and_is_mute(const std::string& endpoint) {
 // A clock that jumps at its third look, at which another process is let go, and is fast when it is told so.
 class LettingGo {
  public:
-  LettingGo() { EXPECT_EQ(pipe(ends_), 0), looks_ = 0, hurries_ = false; }
+  LettingGo() {
+    looks_ = 0, hurries_ = false;
+    EXPECT_EQ(pipe(ends_), 0);
+  }
   ~LettingGo() { close(ends_[0]), close(ends_[1]); }
   static double seconds() {
     if (++looks_ == 3) EXPECT_EQ(write(ends_[1], "g", 1), 1);
