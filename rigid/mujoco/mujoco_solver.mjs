@@ -79,7 +79,8 @@ export class Solver {
     const good = results().map(([values, island]) => values.map((value, i) => (open.has(island[i]) ? 0 : value)));
     let factor = 1 / kSoftness;
     soften(factor);
-    data.qacc_warmstart.fill(0);
+    // the others begin where they have arrived, and are soon done
+    data.qacc.forEach((value, i) => { data.qacc_warmstart[i] = open.has(data.dof_island[i]) ? 0 : value; });
     for (;;) {
       run();
       const stuck = this.stuck();
