@@ -230,14 +230,14 @@ bool binds_and_is_mute(const std::string& endpoint) {
   return true;
 }
 
-// A clock that jumps at its third look, at which another process is let go, and is fast when it is told so.
-class LettingGo {
+// A clock that jumps at its third look, at which another process may begin, and is fast when it is told so.
+class WakingClock {
  public:
-  LettingGo() {
+  WakingClock() {
     looks_ = 0, hurries_ = false;
     EXPECT_EQ(pipe(ends_), 0);
   }
-  ~LettingGo() { close(ends_[0]), close(ends_[1]); }
+  ~WakingClock() { close(ends_[0]), close(ends_[1]); }
   static double seconds() {
     if (++looks_ == 3) EXPECT_EQ(write(ends_[1], "g", 1), 1);
     return (hurries_ ? fast_seconds() : fast_seconds() / 100.0) + (looks_ < 3 ? 0.0 : 11.0);
@@ -278,7 +278,7 @@ TEST(Deadline, OfAProcessThatNeverAnswersNamesTheRequestAndTheAddress) {
 TEST(Answer, ThatTakesAnyTimeIsSpokenOfAndGivenUpOnRequest) {
   const TemporaryFolder folder;
   const std::string endpoint = "ipc://" + folder.path + "/socket";
-  const LettingGo clock;
+  const WakingClock clock;
   Child mute([&] {
     clock.wait();
     Channel channel(Channel::Role::kBind, endpoint);
@@ -286,7 +286,7 @@ TEST(Answer, ThatTakesAnyTimeIsSpokenOfAndGivenUpOnRequest) {
     pause();
     return true;
   });
-  Channel channel(Channel::Role::kConnect, endpoint, "", LettingGo::seconds);
+  Channel channel(Channel::Role::kConnect, endpoint, "", WakingClock::seconds);
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(channel.ask("first", 120.0, "Hello"), "first");
   clock.hurry();
