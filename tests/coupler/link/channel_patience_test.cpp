@@ -239,7 +239,9 @@ class WakingClock {
   }
   ~WakingClock() { close(ends_[0]), close(ends_[1]); }
   static double seconds() {
-    if (++looks_ == 3) EXPECT_EQ(write(ends_[1], "g", 1), 1);
+    if (++looks_ == 3) {
+      EXPECT_EQ(write(ends_[1], "g", 1), 1);
+    }
     return (hurries_ ? fast_seconds() : fast_seconds() / 100.0) + (looks_ < 3 ? 0.0 : 11.0);
   }
   void wait() const {
