@@ -81,7 +81,7 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
         fmt::format("contact has given back {:.1f} % of the energy there was, where it can only take: lower "
                     "time_step_safety, or refine",
                     100.0 * share(audit.returned)));
-  if (share(audit.engine_returned) > kLargestReturn)
+  if (share(audit.engine_returned - audit.pushed) > kLargestReturn)
     out.push_back(fmt::format(
         "the rigid engine has made {:.1f} % of the energy there was, where contacts and joints can only take: "
         "shorten window_s, or hold it to 'sunder validate engines'",

@@ -47,6 +47,7 @@ struct Audit {
   double beside_energy = 0.0, frozen_time = 0.0;
   bool at_latest = false;        // it was frozen by latest_freeze_s; else since cracks were quiet
   double engine_returned = 0.0;  // largest fall of what the rigid engine has taken, below its maximum so far [J]
+  double pushed = 0.0;           // work against weight that moving poses out of overlaps may take [J]
 };
 
 /// Returns the energy [J] that cracks should take by the material's fracture energy and their area. Only cracks that

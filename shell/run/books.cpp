@@ -72,6 +72,9 @@ void Books::open(Simulation& simulation, double energy) {
   scale = std::max(scale, round_off + simulation.soft_energy(kRoundOffStrain));
 }
 
+// Height by which an engine may have moved bodies that rest out of overlaps [m], which is work against their weight.
+constexpr double kPushed = 1e-3;
+
 void Books::close(Simulation& simulation, double energy, double time) {
   scale = std::max(scale, simulation.state.kinetic + simulation.state.elastic);
   const double before = std::exchange(gap, energy - reference);
@@ -156,12 +159,30 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
   const RunSetup& setup = simulation.model.setup;
   const bool at_latest =
       setup.latest_freeze < setup.end_time && books.frozen_time >= setup.latest_freeze * (1.0 - 1e-9);
+  double weight = 0.0;  // of bodies that move [N]
+  for (const Proxy& p : simulation.state.bodies)
+    if (p.is_free()) weight += p.body.mass * setup.gravity.norm();
   std::vector<std::string> out =
-      audit_warnings({books.sum(simulation), books.scale, books.residual, books.contact_returned, coupling_residual,
-                      books.frozen_kinetic, grid, keeps, books.crack_surface(simulation), rubble, books.largest_gap,
-                      books.window_gap, books.window_gap_time, books.deforming,
+      audit_warnings({books.sum(simulation),
+                      books.scale,
+                      books.residual,
+                      books.contact_returned,
+                      coupling_residual,
+                      books.frozen_kinetic,
+                      grid,
+                      keeps,
+                      books.crack_surface(simulation),
+                      rubble,
+                      books.largest_gap,
+                      books.window_gap,
+                      books.window_gap_time,
+                      books.deforming,
                       books.frozen_beside < 0 ? "" : simulation.model.setup.bodies[books.frozen_beside].name,
-                      books.frozen_beside_energy, books.frozen_time, at_latest, books.engine_returned});
+                      books.frozen_beside_energy,
+                      books.frozen_time,
+                      at_latest,
+                      books.engine_returned,
+                      kPushed * weight});
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   if (const std::string whole = never_breaks(shells); !whole.empty()) out.insert(out.begin(), whole);

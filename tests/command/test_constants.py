@@ -27,6 +27,7 @@ ELSEWHERE = {
     "shell/fracture/visibility.cpp": {"kFew": COST, "kRemembered": COST, "kBeyond": ROUND_OFF, "kRoundOff": ROUND_OFF,
                                  "kLargestUncertainty": ROUND_OFF, "kPacks": LAYOUT, "kNone": LAYOUT, "kFar": LAYOUT},
     "shell/fracture/visibility.h": {"kMost": LAYOUT, "kReach": LAYOUT, "kAcross": LAYOUT},
+    "shell/solver/cracking/crack_sides.cpp": {"kNear": DRAWING, "kInwards": DRAWING},
     "shell/solver/cracking/energy_release.cpp": {"kTaperStep": ROUND_OFF},
     "shell/solver/cracking/insertion.cpp": {"kTrials": COST, "kForget": COST},
     "shell/solver/cracking/nucleation.cpp": {"kRoundOff": ROUND_OFF},
