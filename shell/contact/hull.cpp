@@ -1,18 +1,14 @@
 #include "shell/contact/hull.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Surface_mesh.h>
-#include <CGAL/convex_hull_3.h>
 #include <Eigen/Dense>
+
+#include "coupler/core/convex_surface.h"
 
 namespace sunder::shell {
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
 constexpr int kFew = 24;  // corners; up to here every triple is tried, which takes n^4 / 6 steps
 
@@ -21,17 +17,8 @@ template <class F>
 void each_candidate(const std::vector<Vec3>& corners, F&& f) {
   const int n = static_cast<int>(corners.size());
   if (n > kFew) {
-    std::vector<Kernel::Point_3> points;
-    for (const Vec3& c : corners) points.emplace_back(c.x(), c.y(), c.z());
-    CGAL::Surface_mesh<Kernel::Point_3> hull;
-    CGAL::convex_hull_3(points.begin(), points.end(), hull);
-    for (const auto face : hull.faces()) {
-      std::array<Vec3, 3> at;
-      int k = 0;
-      for (const auto v : hull.vertices_around_face(hull.halfedge(face)))
-        at[k++] = {hull.point(v).x(), hull.point(v).y(), hull.point(v).z()};
-      f(at[0], at[1], at[2]);
-    }
+    const Surface hull = convex_surface(corners);
+    for (const auto& [i, j, k] : hull.triangles) f(hull.corners[i], hull.corners[j], hull.corners[k]);
     return;
   }
   for (int i = 0; i < n; ++i)

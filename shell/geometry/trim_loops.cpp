@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "coupler/core/dense.h"
+
 namespace sunder::shell {
 namespace {
 
@@ -78,9 +80,9 @@ Moments moments_of(const Region& region, const Vec2& origin) {
 // standard deviation off; a turn of the four in the coordinates that make the spread a unit changes neither.
 // `size` below 1 draws them together, beside a corner of a hole, which leaves no other room.
 std::vector<WeightedPlace> four_places(const Moments& m, double turn, double size) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(m.spread);
+  const PlaneEigenpairs axes = plane_eigenpairs(m.spread);
   const Eigen::Matrix2d root =
-      axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * axes.eigenvectors().transpose();
+      axes.vectors * axes.values.cwiseMax(0.0).cwiseSqrt().asDiagonal() * axes.vectors.transpose();
   std::vector<WeightedPlace> out;
   for (int k = 0; k < 4; ++k) {
     const double angle = turn + std::numbers::pi * (0.25 + 0.5 * k);
@@ -193,8 +195,8 @@ std::vector<WeightedPlace> TrimLoops::places_in(const Vec2& low, const Vec2& hig
     if (m.area <= kNothing * whole) return;
     if (m.area <= kSmallPart * whole) return one_place(m);
     if (groups > 1) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(m.spread);
-      const Vec2 across = axes.eigenvectors().col(1);
+      const PlaneEigenpairs axes = plane_eigenpairs(m.spread);
+      const Vec2 across = axes.vectors.col(1);
       self(self, clipped(part, across, across.dot(m.centre)), groups / 2);
       self(self, clipped(part, -across, -across.dot(m.centre)), groups / 2);
       return;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include "coupler/core/dense.h"
 #include "coupler/core/error.h"
 
 namespace sunder::shell {
@@ -34,10 +35,9 @@ Vec3 moved(const Patch& patch, const Distance& distance, const Vec2& p) {
 
 Patch offset_patch(const Patch& patch, const Distance& distance, double tolerance) {
   const int columns = patch.columns(), rows = patch.rows();
-  const Eigen::PartialPivLU<Eigen::MatrixXd> along_u(collocation(patch.knots_u)), along_v(collocation(patch.knots_v));
+  const Eigen::MatrixXd along_u = collocation(patch.knots_u), along_v = collocation(patch.knots_v);
   const Eigen::Map<const Eigen::MatrixXd> weights(patch.weights.data(), columns, rows);
-  const Eigen::MatrixXd denominator =
-      collocation(patch.knots_u) * weights * collocation(patch.knots_v).transpose();  // at the Greville points
+  const Eigen::MatrixXd denominator = along_u * weights * along_v.transpose();  // at the Greville points
   Patch out = patch;
   for (int d = 0; d < 3; ++d) {
     Eigen::MatrixXd wanted(columns, rows);
@@ -45,8 +45,8 @@ Patch offset_patch(const Patch& patch, const Distance& distance, double toleranc
       for (int i = 0; i < columns; ++i)
         wanted(i, j) =
             denominator(i, j) * moved(patch, distance, {patch.knots_u.greville(i), patch.knots_v.greville(j)})[d];
-    const Eigen::MatrixXd half = along_u.solve(wanted);
-    const Eigen::MatrixXd net = along_v.solve(half.transpose()).transpose();
+    const Eigen::MatrixXd half = solved(along_u, wanted);
+    const Eigen::MatrixXd net = solved(along_v, half.transpose()).transpose();
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < columns; ++i) out.control_points[j * columns + i][d] = net(i, j) / weights(i, j);
   }

@@ -5,6 +5,8 @@
 
 #include <Eigen/Dense>
 
+#include "coupler/core/dense.h"
+
 namespace sunder::shell {
 namespace {
 
@@ -70,11 +72,9 @@ std::vector<Vec3> smooth_normals(const TriangleMesh& m, const Flat& f) {
       right.row(static_cast<Eigen::Index>(r)) =
           weight * (m.points[f.points[about[r]]] - m.points[f.points[i]]).transpose();
     }
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(left);
-    solver.setThreshold(kDecided);
-    if (solver.rank() < 5) continue;
-    const Eigen::MatrixXd x = solver.solve(right);
-    const Vec3 u = x.row(0), v = x.row(1), normal = u.cross(v).normalized();
+    const auto x = fit(left, right, kDecided);
+    if (!x) continue;
+    const Vec3 u = x->row(0), v = x->row(1), normal = u.cross(v).normalized();
     if (normal.dot(out[i]) > kAgrees) out[i] = normal;
   }
   return out;

@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "coupler/core/dense.h"
 #include "coupler/core/error.h"
 #include "shell/fracture/constants.h"
 #include "shell/geometry/seams.h"
@@ -93,16 +94,14 @@ struct Continuation {
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(terms, terms);
     for (std::size_t k = 0; k < near.size(); ++k) a += weights[k] * rows[k] * rows[k].transpose();
     const Eigen::VectorXd scale = a.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * a * scale.asDiagonal());
-    if (!(solver.eigenvalues()[0] > kSingularShares * solver.eigenvalues()[terms - 1])) return {};
+    const auto [values, vectors] = eigenpairs(scale.asDiagonal() * a * scale.asDiagonal());
+    if (!(values[0] > kSingularShares * values[terms - 1])) return {};
     std::vector<std::pair<int, double>> out;
     for (const int k : near) out.emplace_back(k, 0.0);
     Eigen::VectorXd missing = wanted;
     for (int pass = 0; pass < 2; ++pass) {  // the second takes away the round-off of the first
       const Eigen::VectorXd answer =
-          scale.asDiagonal() *
-          (solver.eigenvectors() *
-           (solver.eigenvectors().transpose() * (scale.asDiagonal() * missing)).cwiseQuotient(solver.eigenvalues()));
+          scale.asDiagonal() * (vectors * (vectors.transpose() * (scale.asDiagonal() * missing)).cwiseQuotient(values));
       for (std::size_t k = 0; k < near.size(); ++k) {
         const double share = weights[k] * rows[k].dot(answer);
         out[k].second += share, missing -= share * rows[k];

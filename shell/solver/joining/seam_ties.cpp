@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 
+#include "coupler/core/dense.h"
 #include "coupler/core/error.h"
 #include "shell/fracture/constants.h"
 #include "shell/solver/model.h"
@@ -441,7 +442,7 @@ void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
     const Eigen::MatrixXd line = next.rowwise().normalized();
     Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(bends, bends);
     for (int d = 0; d < 3; ++d) gain += dt * (line.col(d).asDiagonal() * s.coupling[d] * along.col(d).asDiagonal());
-    const Eigen::VectorXd impulse = gain.partialPivLu().solve(-off);
+    const Eigen::VectorXd impulse = solved(gain, -off);
     for (int d = 0; d < 3; ++d) {
       const Eigen::VectorXd j = along.col(d).cwiseProduct(impulse);
       v.col(d) += s.response[d] * j, given.col(d) += j;

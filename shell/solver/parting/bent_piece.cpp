@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/QR>
+#include "coupler/core/dense.h"
 
 #include "shell/fracture/constants.h"
 
@@ -28,7 +28,7 @@ bool tapers_evenly(const std::vector<Faces>& faces, const Vec3& normal, double m
     half[i] = 0.5 * (faces[i].high - faces[i].low).norm();
   }
   if (!place.allFinite() || !half.allFinite()) return false;
-  const Vec3 fit = place.completeOrthogonalDecomposition().solve(half);
+  const Vec3 fit = shortest_fit(place, half);
   const Eigen::VectorXd off = half - place * fit;
   return off.maxCoeff() - off.minCoeff() <= most;
 }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "coupler/core/dense.h"
 #include "coupler/core/error.h"
 #include "coupler/core/principal_axes.h"
 #include "shell/solver/cracking/clamp.h"
@@ -38,7 +39,7 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
       const Vec3 arm = (s.position(beside[k]) - centre) / m.spacing;
       a.col(k) << 1.0, arm.x(), arm.y(), arm.z();
     }
-    const Eigen::VectorXd parts = a.completeOrthogonalDecomposition().solve(wanted);
+    const Eigen::VectorXd parts = shortest_fit(a, wanted);
     bool fits =
         (a * parts - wanted).norm() <= kBalancingMisfit * wanted.norm();  // a bent piece's points need not all fit
     for (Eigen::Index k = 0; k < count && fits; ++k)

@@ -8,6 +8,7 @@
 #include <Spectra/SymEigsShiftSolver.h>
 #include <Eigen/Dense>
 
+#include "coupler/core/dense.h"
 #include "coupler/core/error.h"
 #include "shell/solver/statics/newton.h"
 #include "shell/solver/statics/tangent.h"
@@ -72,8 +73,8 @@ Pairs sorted(const Eigen::VectorXd& values, const Eigen::MatrixXd& vectors) {
 Pairs lowest(const Matrix& a, double shift, int wanted) {
   const int n = static_cast<int>(a.rows());
   if (n <= kDense) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> all{Eigen::MatrixXd(a)};
-    return {all.eigenvalues(), all.eigenvectors()};
+    Eigenpairs all = eigenpairs(Eigen::MatrixXd(a));
+    return {std::move(all.values), std::move(all.vectors)};
   }
   ShiftedInverse inverse(a);
   for (int k = wanted + kSpare, tries = 0; tries < kTries; ++tries, k += kSpare) {
@@ -127,24 +128,22 @@ Eigen::MatrixXd rigid_motions(const JoinedShells& joined, const JoinedDegrees& f
       }
     }
   });
-  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(6, 6);
   for (const auto& row : constraints) normal += row.transpose() * row;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(normal);
+  const auto [values, vectors] = eigenpairs(normal);
   int still = 0;
-  while (still < 6 && solver.eigenvalues()[still] <= kStays * kStays) ++still;
+  while (still < 6 && values[still] <= kStays * kStays) ++still;
   if (still == 0) return Eigen::MatrixXd(free.count(), 0);
-  const Eigen::MatrixXd scaled = root_mass.asDiagonal() * motion * solver.eigenvectors().leftCols(still);
-  Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(free.count(), still);
+  return orthonormal(root_mass.asDiagonal() * motion * vectors.leftCols(still));
 }
 
 // Leaves only the motions whose stiffness is at most `most` [1/s^2]: loads may resist the others, as a pendulum's do.
 Eigen::MatrixXd without_stiffness(const Matrix& a, const Eigen::MatrixXd& rigid, double most) {
   if (rigid.cols() == 0) return rigid;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(rigid.transpose() * (a * rigid));
+  const auto [values, vectors] = eigenpairs(rigid.transpose() * (a * rigid));
   int loose = 0;
-  while (loose < rigid.cols() && std::abs(solver.eigenvalues()[loose]) <= most) ++loose;
-  return rigid * solver.eigenvectors().leftCols(loose);
+  while (loose < rigid.cols() && std::abs(values[loose]) <= most) ++loose;
+  return rigid * vectors.leftCols(loose);
 }
 
 // Returns twice the kinetic energy of unit velocities along `shape`: u^T M u with the consistent M.

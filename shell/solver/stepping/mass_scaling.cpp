@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <map>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Dense>
+
+#include "coupler/core/dense.h"
 
 namespace sunder::shell {
 namespace {
@@ -117,7 +119,7 @@ double largest_eigenvalue_of(const ShellModel& m, const SectionStiffness& sectio
   }
   const Eigen::VectorXd root = mass.cwiseSqrt().cwiseInverse();
   stiffness = root.asDiagonal() * stiffness * root.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+  return eigenvalues(stiffness).maxCoeff();
 }
 
 // Calls f(element, block) with each Gauss point that material has.

@@ -8,7 +8,9 @@
 #include <limits>
 #include <random>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+
+#include "coupler/core/dense.h"
 
 namespace sunder::shell {
 namespace {
@@ -86,9 +88,7 @@ double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
     if (!(length > 1e-6 * std::abs(diagonal[found]))) length = 0.0;  // the guess holds no further modes
   }
   if (found == 0) return 0.0;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
-  eigen.computeFromTridiagonal(diagonal.head(found), beside.head(found - 1), Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[found - 1];
+  return tridiagonal_eigenvalues(diagonal.head(found), beside.head(found - 1))[found - 1];
 }
 
 /// Returns 2 / sqrt(lambda_max) [s] by power iteration. The velocities hold the first guess. `settle` takes back what
