@@ -15,7 +15,7 @@ constexpr double kStrongest = 100.0;        // [Young's modulus]: rubber bears s
 constexpr double kWeakest = 1e-7;           // [Young's modulus]: a hundredth of the weakest foams and clays
 constexpr double kLightest = 5.0;           // [kg/m^3]: a few times air
 constexpr double kHeaviest = 3e4;           // [kg/m^3]: osmium has 22,600
-constexpr double kThickest = 0.5;           // [width]
+constexpr double kThickestOfWidth = 0.5;    // [width]
 constexpr double kWidest = 100.0;           // [m]
 constexpr double kFastest = 3e3;            // [m/s]: solids flow and melt in impacts that fast
 constexpr double kGiga = 1e9, kMega = 1e6;  // [Pa] of a GPa and a MPa
@@ -50,7 +50,7 @@ void of_material(const proto::Material& m, const std::string& field, std::vector
 void of_plate(const proto::Shell& s, const std::string& field, std::vector<std::string>& out) {
   const double wide = std::max(s.plate().size_x_m(), s.plate().size_y_m());
   const double narrow = std::min(s.plate().size_x_m(), s.plate().size_y_m());
-  if (s.thickness_m() > kThickest * narrow)
+  if (s.thickness_m() > kThickestOfWidth * narrow)
     out.push_back(fmt::format("{}.thickness_m is {:g} m, and the plate is {:g} m wide; {:g} mm are {:g}", field,
                               s.thickness_m(), narrow, s.thickness_m(), kMilli * s.thickness_m()));
   if (wide > kWidest)

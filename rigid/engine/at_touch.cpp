@@ -6,7 +6,7 @@
 namespace sunder::rigid {
 namespace {
 
-constexpr int kMostSteps = 8;  // of Newton's method, whose error squares in each
+constexpr int kNewtonSteps = 8;  // of Newton's method, whose error squares in each
 
 const SphereShape* ball(const RigidBody& body) { return std::get_if<SphereShape>(&body.shape); }
 
@@ -38,7 +38,7 @@ std::optional<double> touch_time(const Flight& first, const Flight& second, doub
   const Vec3 apart_at_end = first.predicted->position - second.predicted->position;
   const Vec3 speed_at_end = first.predicted->velocity - second.predicted->velocity, pull = first.pull - second.pull;
   double touch = guess;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kNewtonSteps; ++step) {
     const double rest = window_s - touch;
     const Vec3 apart = apart_at_end - rest * speed_at_end + 0.5 * rest * rest * pull;
     const double distance = apart.norm(), opening = apart.dot(speed_at_end - rest * pull) / distance;

@@ -23,7 +23,7 @@ constexpr int kSweeps = 100;
 constexpr double kOverRelaxation = 1.3;  // ODE's default
 /// Softness of every row relative to its inverse mass. The exact solver factorises a matrix that would be singular,
 /// because several corners of one plate are redundant.
-constexpr double kSoftness = 1e-9;  // [-]
+constexpr double kOdeSoftness = 1e-9;  // [-]
 /// Seed before each solve: QuickStep shuffles its rows by a process-wide random generator.
 constexpr unsigned kSeed = 20;
 
@@ -132,7 +132,7 @@ bool solve_island(double window_s, double joint_share, bool exactly, std::vector
     dJointSetFeedback(joint, &feedback[i]);
   }
   dWorldSetERP(world, joint_share);
-  dWorldSetCFM(world, kSoftness * window_s / least_mass);  // ODE's unit: softness [1/(N s)] times the window
+  dWorldSetCFM(world, kOdeSoftness * window_s / least_mass);  // ODE's unit: softness [1/(N s)] times the window
   gave_up = false;
   if (exactly) {
     dWorldStep(world, window_s);

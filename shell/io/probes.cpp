@@ -101,7 +101,9 @@ std::string columns_of(const Probe& p) {
 // Values of the columns of one probe; none where there is no shell any more, and no numbers where nothing bears stress.
 std::vector<double> values_of(const Probe& p, const ProbeMoment& now) {
   std::vector<double> out;
-  const auto three = [&](const Vec3& v) { out.insert(out.end(), {v.x(), v.y(), v.z()}); };
+  const auto three = [&](const Vec3& v) {
+    for (const double value : v) out.push_back(value);
+  };
   if (p.is_pair()) {
     if (now.shells.empty()) return {};
     const ContactSince& c = now.contacts[p.shell];
@@ -114,7 +116,7 @@ std::vector<double> values_of(const Probe& p, const ProbeMoment& now) {
     three(b.position), three(b.velocity);
     if (p.soft) return out;
     const Quat& q = b.orientation;
-    out.insert(out.end(), {q.w(), q.x(), q.y(), q.z()}), three(now.bodies[p.body]->angular_velocity());
+    out.push_back(q.w()), three(q.vec()), three(now.bodies[p.body]->angular_velocity());
   } else if (!now.shells.empty()) {
     const ShellView& s = now.shells[p.shell];
     three(displacement(*s.model, *s.state, p.at));

@@ -12,7 +12,7 @@ namespace sunder::shell {
 namespace {
 
 // speed [m/s] at which an overlap is taken back: a body born in overlap gains no energy
-constexpr double kFastestRecovery = 0.01;
+constexpr double kFastestFromBody = 0.01;
 // Sweeps over the samples that press on a body, at most, and the share of the largest impulse below which changes end
 // them.
 constexpr int kSweeps = 8;
@@ -335,7 +335,7 @@ void find_overlaps(const ShellModel& m, const ShellState& s, const Proxy& body, 
 // work j (arrived + after) / 2.
 Vec3 wanted_velocity(const Proxy& body, const ContactCoefficients& law, const Proxy::Distance& gap, double arrived,
                      double dt) {
-  const double recovered = std::min(body.recovery * -gap.value / dt, kFastestRecovery);
+  const double recovered = std::min(body.recovery * -gap.value / dt, kFastestFromBody);
   if (arrived > 0.0) return (recovered - arrived) * gap.normal;
   return std::max(recovered, -law.restitution * arrived) * gap.normal;
 }

@@ -12,13 +12,13 @@ namespace sunder::shell {
 namespace {
 
 // The place where a crack edge leaves the domain.
-struct Exit {
+struct EdgeExit {
   int edge = 0;
   double share = 0.0;  // share of the edge's parameters
   Vec2 at, direction;
 };
 
-bool exit_of(const ShellModel& m, const Vec2& from, const Vec2& to, Exit& out) {
+bool exit_of(const ShellModel& m, const Vec2& from, const Vec2& to, EdgeExit& out) {
   const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()), high(m.patch.knots_u.end(), m.patch.knots_v.end());
   const Vec2 d = to - from;
   if (!m.patch.contains(from) || m.patch.contains(to)) return false;
@@ -41,7 +41,7 @@ bool exit_of(const ShellModel& m, const Vec2& from, const Vec2& to, Exit& out) {
 
 // Calls back (seam, shell beyond it, share of its first edge) for each seam at this exit.
 template <class F>
-void each_seam(const std::vector<Seam>& seams, int shell, const Exit& exit, F&& callback) {
+void each_seam(const std::vector<Seam>& seams, int shell, const EdgeExit& exit, F&& callback) {
   for (const Seam& seam : seams) {
     const bool first = seam.first == shell && seam.first_edge == exit.edge;
     if (!first && !(seam.second == shell && seam.second_edge == exit.edge)) continue;
@@ -96,7 +96,7 @@ int propagate_over_seams(const std::vector<Seam>& seams, const std::vector<Shell
       const CrackEdge& last = shells[k].state->cracks.graph.edges()[tip.edge];
       const Tip from = tip;  // a copy, since tips are added below
       const Vec2 before = from.vertex == last.to ? last.a : last.b;
-      Exit exit;
+      EdgeExit exit;
       const bool leaves = exit_of(m, before, from.p, exit);
       count += propagate_over_trims(seams, shells, can_crack, k, from, leaves ? exit.at : from.p,
                                     (from.p - before).normalized(), time);
@@ -131,7 +131,7 @@ int propagate_over_seams(const std::vector<Seam>& seams, const std::vector<Shell
         stitching.release_beside(shells, seam, k, low, high), parted = true;
       });
       for (const bool back : {true, false}) {
-        Exit exit;
+        EdgeExit exit;
         if (!exit_of(*shells[k].model, back ? e.b : e.a, back ? e.a : e.b, exit)) continue;
         each_seam(seams, k, exit,
                   [&](const Seam& seam, int, double share) { stitching.part(shells, seam, share), parted = true; });
