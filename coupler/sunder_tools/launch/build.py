@@ -22,7 +22,7 @@ from .install import CAD_PACKAGES, DART_PACKAGES, PACKAGES, TEST_PACKAGES, ensur
 from .level import level
 from .logged import run_logged, tail
 
-MEMORY_PER_JOB = 1.5e9  # [bytes]; CGAL's headers take about this much
+MEMORY_PER_JOB = 1.9e9  # [bytes]; files that are compiled together take about this much
 LOG = "build.log"  # beside the lock
 POLL_S, TELL_S = 0.2, 15.0  # [s] between looks at the lock of another builder, and between words of how far it is
 STEP_LINES = 400  # of the log in which its last step is looked for: warnings stand between
