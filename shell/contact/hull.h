@@ -12,7 +12,7 @@ struct Plane {
 };
 
 /// Planes of the convex hull of `corners` [m]: those through three corners with all others on one side. The tolerance
-/// is 1e-7 of the extent.
+/// is 1e-7 of the extent. Many corners in one plane bound no body, and have none.
 std::vector<Plane> hull_planes(const std::vector<Vec3>& corners);
 
 }  // namespace sunder::shell

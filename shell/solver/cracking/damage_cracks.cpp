@@ -211,8 +211,9 @@ int insert_lines(const ShellModel& m, ShellState& s, const DamageRules& r, const
   return inserted;
 }
 
-// Broad damage that no crack has reached starts a crack at its most critical point.
+// Broad damage that no crack has reached starts a crack at its most critical point: of equal ones, at the first.
 int start_broad(const ShellModel& m, ShellState& s, const DamageRules& r, const DamageLattice& grid, double time) {
+  constexpr double kRoundOff = 1e-9;  // of the ratio
   double most = 0.0;
   Vec2 p, crack;
   for (const GatheredPoint& g : s.cracked.gathered) {
@@ -223,7 +224,7 @@ int start_broad(const ShellModel& m, ShellState& s, const DamageRules& r, const 
     for (int face = 0; face < 2; ++face) {
       const Principal stress = principal(face_stress[3 * face], face_stress[3 * face + 1], face_stress[3 * face + 2]);
       const double ratio = stress.high / s.cracked.damage[&g - s.cracked.gathered.data()].strength;
-      if (ratio > most) most = ratio, p = q, crack = stress.crack;
+      if (ratio > (1.0 + kRoundOff) * most) most = ratio, p = q, crack = stress.crack;
     }
   }
   if (most <= 0.0) return 0;

@@ -107,7 +107,9 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
                    const std::vector<int>& beside, Leaving& p) {
   const Vec3 linear = p.momentum - p.mass * p.common;
   const double rigid = 0.5 * linear.squaredNorm() / p.mass + 0.5 * p.angular.dot(p.inertia.ldlt().solve(p.angular));
-  if (rigid <= p.energy) return;
+  constexpr double kSameVelocity = 1e-12;  // round-off: a piece that moves evenly has no energy about its mean velocity
+  const double all = 0.5 * p.momentum.squaredNorm() / p.mass;
+  if (rigid <= p.energy + kSameVelocity * kSameVelocity * all) return;
   std::vector<int> takers;
   const auto take = [&](const std::vector<int>& from, std::size_t most) {
     takers.clear();
@@ -132,10 +134,10 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
     spin = principal_axes(second);
     return spin.moments[0] >= kInALine * spin.moments[2];  // not in a line, as those beside a long strip are
   };
-  std::vector<int> all;
+  std::vector<int> everywhere;
   for (std::size_t most = kFewestBalancing;; most *= 2) {
-    if (all.empty() && !take(beside, most)) all = neighbours(m, s, t, piece, kAll);
-    const bool more = all.empty() || take(all, most);
+    if (everywhere.empty() && !take(beside, most)) everywhere = neighbours(m, s, t, piece, kAll);
+    const bool more = everywhere.empty() || take(everywhere, most);
     if (takers.size() < 4) return;
     if (can_spin()) break;
     if (!more) return;

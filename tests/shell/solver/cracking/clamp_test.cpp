@@ -1,4 +1,5 @@
 // Cracks beside a clamped border run on it, and leave no strip.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -58,6 +59,8 @@ struct Cracked {
     }
     t = triangulated(m, s, {});
     pieces = pieces_of(m, s, t);
+    // slivers leave first: once all else has left, nothing beside them has mass to give
+    std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.area < b.area; });
   }
   double mass_at_border() const {
     double sum = 0.0;
