@@ -26,6 +26,8 @@ Eigen::VectorXd tridiagonal_eigenvalues(const Eigen::VectorXd& diagonal, const E
 
 Eigen::MatrixXd solved(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a.partialPivLu().solve(b); }
 
+Mat3 solved_symmetric(const Mat3& a, const Mat3& b) { return a.ldlt().solve(b); }
+
 Eigen::VectorXd shortest_fit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return a.completeOrthogonalDecomposition().solve(b);
 }

@@ -33,6 +33,9 @@ Eigen::VectorXd tridiagonal_eigenvalues(const Eigen::VectorXd& diagonal, const E
 /// X of A X = B, for a regular A (n x n) and B (n x k), by elimination with partial pivoting.
 Eigen::MatrixXd solved(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
+/// X of A X = B, for a symmetric, definite A. Only the lower triangle of A is read.
+Mat3 solved_symmetric(const Mat3& a, const Mat3& b);
+
 /// The shortest of all x for which |A x - b| is least, for A (m x n) of any rank.
 Eigen::VectorXd shortest_fit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 

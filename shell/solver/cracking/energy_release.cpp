@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "coupler/core/dense.h"
 #include "shell/mechanics/layers.h"
 
 namespace sunder::shell {
@@ -233,7 +234,7 @@ LinearField nearest_field(const std::vector<Present>& points, int k, double spac
   for (int i = 0; i < 3; ++i) b.row(i) << sum_of(right[i].x), sum_of(right[i].y), sum_of(right[i].z);
   const Eigen::Vector3d free(1.0, 1.0 / spacing, 1.0 / spacing);
   const Eigen::Matrix3d fit =
-      free.asDiagonal() * (free.asDiagonal() * a * free.asDiagonal()).ldlt().solve(free.asDiagonal() * b);
+      free.asDiagonal() * solved_symmetric(free.asDiagonal() * a * free.asDiagonal(), free.asDiagonal() * b);
   return {in_all_lanes(fit.row(0)), in_all_lanes(fit.row(1)), in_all_lanes(fit.row(2))};
 }
 

@@ -48,6 +48,13 @@ TEST(Dense, SolvesForSeveralRightSidesAtOnce) {
   EXPECT_LT((solved(a, a * x) - x).norm(), 1e-15);
 }
 
+TEST(Dense, SolvesSymmetricSystemsFromTheLowerTriangle) {
+  Mat3 a;
+  a << 4.0, 9.0, 9.0, 1.0, 5.0, 9.0, 2.0, 3.0, 6.0;  // 9: not read
+  const Mat3 whole = a.selfadjointView<Eigen::Lower>(), x = hilbert(3, 3);
+  EXPECT_LT((solved_symmetric(a, whole * x) - x).norm(), 1e-14);
+}
+
 TEST(Dense, TheShortestFitOfTooFewEquationsIsNormalToWhatTheyLeaveFree) {
   Eigen::MatrixXd a(1, 3);
   a << 1.0, 2.0, 2.0;
