@@ -12,9 +12,9 @@ using namespace link::capability;
 constexpr int kGrid = 5;
 // Shards that share faces to round-off must not push one another. The tolerance is 1e-9 of the kinetic energy at 1 m/s,
 // below a tenth of a microjoule for the whole pane.
-constexpr double kGainTolerance = 1e-9;
+constexpr double kBirthGain = 1e-9;
 // Without impulses bodies end in their predicted states: tolerance of free flight.
-constexpr double kFlightTolerance = 1e-9;
+constexpr double kBirthFlight = 1e-9;
 
 // A pane of 150 mm in 25 shards that share slanted edges.
 std::vector<RigidBody> pane(BodyId first, double height) {
@@ -48,7 +48,7 @@ void neighbours(Suite& s) {
     const double born = play.kinetic_energy();
     double most = 0.0;
     for (int i = 0; i < 200; ++i) play.window(), most = std::max(most, play.kinetic_energy() - born);
-    s.report.check(fmt::format("gain_at_{:g}m_s", speed), most / (0.5 * mass), 0.0, s.exact(kGainTolerance),
+    s.report.check(fmt::format("gain_at_{:g}m_s", speed), most / (0.5 * mass), 0.0, s.exact(kBirthGain),
                    "of the energy at 1 m/s");
     double apart = 0.0;
     for (const RigidBody& b : shards) {
@@ -70,7 +70,7 @@ void part(Suite& s) {
   for (int i = 0; i < 200; ++i) play.window();
   for (const RigidBody& b : shards)
     worst = std::max(worst, (play.body(b.id).motion.velocity - b.motion.velocity).norm() / b.motion.velocity.norm());
-  s.report.check("velocity", worst, 0.0, s.exact(kFlightTolerance),
+  s.report.check("velocity", worst, 0.0, s.exact(kBirthFlight),
                  "change of a shard that moves away from its neighbours");
   play.end();
 }
@@ -102,9 +102,8 @@ void births(Suite& s) {
       }
     }
   }
-  s.report.check("birth", birth, 0.0, s.exact(kFlightTolerance), "against the body that was sent");
-  s.report.check("flight", flight, 0.0, s.exact(kFlightTolerance),
-                 "of old and new bodies against their predicted states");
+  s.report.check("birth", birth, 0.0, s.exact(kBirthFlight), "against the body that was sent");
+  s.report.check("flight", flight, 0.0, s.exact(kBirthFlight), "of old and new bodies against their predicted states");
   play.end();
 }
 

@@ -14,7 +14,7 @@ using namespace link::capability;
 
 // An engine applies each impulse to both bodies at one point. So momentum closes to the round-off of some dozens of
 // additions, whatever the convergence of the solver. shift.h says which part of angular momentum closes as well.
-constexpr double kMomentumTolerance = 1e-12;
+constexpr double kCollisionMomentum = 1e-12;
 // A correct impulse adds round-off only. 1e-9 of the kinetic energy is a thousand times that.
 constexpr double kGainTolerance = 1e-9;
 // With restitution 1 the rebound has the speed of the impact. Two to four points solved by iteration err by some tenths
@@ -75,8 +75,8 @@ void meet(Suite& s, const Meeting& m) {
   const double met = change.norm() / relative;
   s.report.check_error("met", met, kMet, std::max(0.0, kMet - met), 0.0,
                        "share of the relative momentum that is passed on");
-  s.report.check("linear", (play.momentum() - linear).norm() / relative, 0.0, s.exact(kMomentumTolerance));
-  angular.judge(play, s.report, relative * arm, s.exact(kMomentumTolerance));
+  s.report.check("linear", (play.momentum() - linear).norm() / relative, 0.0, s.exact(kCollisionMomentum));
+  angular.judge(play, s.report, relative * arm, s.exact(kCollisionMomentum));
   if (m.restitution < 1.0)
     s.report.check("gain", gain, 0.0, s.exact(kGainTolerance),
                    "largest gain in a window, relative to the kinetic energy");

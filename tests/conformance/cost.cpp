@@ -8,26 +8,26 @@ namespace {
 
 using namespace link::capability;
 
-constexpr int kWindows = 100, kColumns = 32;
-constexpr double kSpacing = 0.1;  // [m]: bodies do not touch
+constexpr int kCostWindows = 100, kCostColumns = 32;
+constexpr double kCostSpacing = 0.1;  // [m]: bodies do not touch
 
 void cost(Suite& s, const std::function<RigidBody(BodyId)>& make, double height, bool floor) {
   for (const int count : {1, 100, 1000}) {
     std::vector<RigidBody> bodies;
     if (floor) bodies.push_back(half_space(1));
     for (int i = 0; i < count; ++i)
-      bodies.push_back(
-          at(make(static_cast<BodyId>(2 + i)), {kSpacing * (i % kColumns), kSpacing * (i / kColumns), height}));
+      bodies.push_back(at(make(static_cast<BodyId>(2 + i)),
+                          {kCostSpacing * (i % kCostColumns), kCostSpacing * (i / kCostColumns), height}));
     Play play(s.target, {{bodies, law(0.5, 0.0), {}}, floor ? gravity() : Vec3(0, 0, 0)});
     std::vector<double> times;
-    for (int i = 0; i < kWindows; ++i) {
+    for (int i = 0; i < kCostWindows; ++i) {
       const std::vector<link::Motion> predicted = play.flight();
       const double before = seconds_now();
       play.window_on(predicted);
       times.push_back(seconds_now() - before);
     }
-    std::nth_element(times.begin(), times.begin() + kWindows / 2, times.end());
-    s.report.tell(fmt::format("bodies_{}", count), 1e6 * times[kWindows / 2], "microseconds a window, median");
+    std::nth_element(times.begin(), times.begin() + kCostWindows / 2, times.end());
+    s.report.tell(fmt::format("bodies_{}", count), 1e6 * times[kCostWindows / 2], "microseconds a window, median");
     play.end();
   }
 }

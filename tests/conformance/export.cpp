@@ -11,17 +11,17 @@ namespace {
 using namespace link::capability;
 
 const Vec3 kHalf(0.05, 0.03, 0.02);  // [m], of the box above
-constexpr double kMu = 0.37, kBounce = 0.25;
+constexpr double kExportedMu = 0.37, kBounce = 0.25;
 // Rounding of the engine's shapes, bounded as for bodies at rest (resting.cpp).
 constexpr double kPoint_m = 1e-4;
 // Points at the corners support a box. Half of that distance from the centre still does, with a wide margin.
 constexpr double kSupport = 0.5;
 // A solved body ends in its predicted state: tolerance of free flight (flight.cpp).
-constexpr double kFlightTolerance = 1e-9;
+constexpr double kPredictedTolerance = 1e-9;
 constexpr BodyId kBelow = 1, kAbove = 2;
 
 Scene lying_on(const RigidBody& below) {
-  return {{{below, at(box(kAbove, kHalf), {0, 0, kHalf.z()})}, law(kMu, kBounce), {}}, gravity()};
+  return {{{below, at(box(kAbove, kHalf), {0, 0, kHalf.z()})}, law(kExportedMu, kBounce), {}}, gravity()};
 }
 
 // Rows of the box, with the box as first body of each.
@@ -49,7 +49,7 @@ Seen look(const Play& play, const std::vector<link::ContactRow>& rows) {
     seen.face = std::max({seen.face, std::abs(above.z()), std::abs(below.z())});
     seen.apart = std::max(seen.apart, (above - below).norm());
     seen.normal = std::max(seen.normal, (row.normal - Vec3::UnitZ()).norm());
-    seen.law = std::max({seen.law, std::abs(row.friction - kMu), std::abs(row.restitution - kBounce)});
+    seen.law = std::max({seen.law, std::abs(row.friction - kExportedMu), std::abs(row.restitution - kBounce)});
     seen.low = seen.low.cwiseMin(row.first_point), seen.high = seen.high.cwiseMax(row.first_point);
   }
   return seen;
@@ -92,7 +92,7 @@ void solved(Suite& s, const RigidBody& below) {
         if (m.id == kAbove && state.id == kAbove)
           off = std::max(pose_error(state.motion, m.motion, 0.05), velocity_error(state.motion, m.motion));
     if (is_solved)
-      s.report.check("solved", off, 0.0, s.exact(kFlightTolerance), "off its predicted state");
+      s.report.check("solved", off, 0.0, s.exact(kPredictedTolerance), "off its predicted state");
     else
       s.report.check_error("not_solved", off, 0.5, std::max(0.0, 0.5 - off), 0.0,
                            "without 'solved' the engine stops it");
@@ -111,7 +111,7 @@ void joint_solved(Suite& s) {
   play.window_on(off, {}, {kAbove});
   const BodyMotion &got = play.states()[0].motion, &given = off[0].motion;
   s.report.check("solved", std::max(pose_error(got, given, 0.05), velocity_error(got, given)), 0.0,
-                 s.exact(kFlightTolerance), "off its predicted state");
+                 s.exact(kPredictedTolerance), "off its predicted state");
   play.end();
 }
 

@@ -17,10 +17,10 @@ constexpr double kAxis_rad = 1e-3;  // the same at the end of an arm of 0.1 m
 constexpr double kPeriodTolerance = 2e-3;
 // A joint solved on velocities turns them by omega H in each window and loses (omega H)^2 of the kinetic energy: about
 // 0.1 % a second here. It must not gain: energy that grows in 10 s diverges later.
-constexpr double kLossTolerance = 2e-2, kGainTolerance = 1e-3;
+constexpr double kLossTolerance = 2e-2, kJointGain = 1e-3;
 constexpr double kMotionTolerance = 1e-2;  // of free motions: friction would be larger
 // The impulses of a joint are equal and opposite (collisions.cpp), in 1000 windows.
-constexpr double kMomentumTolerance = 1e-12;
+constexpr double kJointMomentum = 1e-12;
 // Correcting the anchors moves bodies without their velocities, by a share (omega H)^2 of the arm in each window.
 constexpr double kTurnTolerance = 1e-3;
 
@@ -86,7 +86,7 @@ void pendulum(Suite& s) {
   s.report.check("period", crossings > 2 ? 2.0 * (last - first) / (crossings - 1) : NAN, period, kPeriodTolerance,
                  "[s], over 10 s");
   s.report.check("energy", energy(), swing, kLossTolerance, "[J], after 10 s");
-  s.report.check("gain", most / swing - 1.0, 0.0, kGainTolerance, "largest energy, relative gain over the first");
+  s.report.check("gain", most / swing - 1.0, 0.0, kJointGain, "largest energy, relative gain over the first");
   s.report.check("anchor", anchor, 0.0, kAnchor_m, "gap [m], worst in 10 s");
   play.end();
 }
@@ -169,11 +169,11 @@ void linked(Suite& s) {
     anchor = std::max(anchor, gap(play, ball).norm()), most = std::max(most, play.kinetic_energy());
   }
   const Vec3 moved = centre + linear / (a.mass + b.mass);  // the centre of mass moves on a straight line
-  s.report.check("linear", change, 0.0, s.exact(kMomentumTolerance), "worst change in a window");
+  s.report.check("linear", change, 0.0, s.exact(kJointMomentum), "worst change in a window");
   s.report.check("path", (play.centre_of_mass() - moved).norm(), 0.0, kAnchor_m, "of the centre of mass in 1 s [m]");
   s.report.check("angular", (play.angular_momentum(moved) - angular).norm() / angular.norm(), 0.0, kTurnTolerance,
                  "after 1 s");
-  s.report.check("gain", most / start - 1.0, 0.0, kGainTolerance, "largest kinetic energy, relative gain");
+  s.report.check("gain", most / start - 1.0, 0.0, kJointGain, "largest kinetic energy, relative gain");
   s.report.check("anchor", anchor, 0.0, kAnchor_m, "gap [m]");
   play.end();
 }

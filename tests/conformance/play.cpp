@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSubsteps = 4;              // of a window, as in the shell process once no shell is left
 constexpr double kReplySeconds = 1800.0;  // far longer than any window of this suite
-constexpr double kEndSeconds = 2.0;       // limit for the end of a session, in the engine's own time
+constexpr double kPlayEndSeconds = 2.0;   // limit for the end of a session, in the engine's own time
 constexpr int kAttempts = 20;             // to connect to an engine that may still end its last session
 constexpr int kPause_us = 100000;
 
@@ -129,12 +129,12 @@ void Play::end() {
   link_->bye();
   link_.reset();  // an engine may stay as long as the connection
   if (!process_.ours()) return;
-  const auto status = process_.wait(kEndSeconds);
+  const auto status = process_.wait(kPlayEndSeconds);
   if (status != 0)
     throw Error(
         Exit::kCheckFailed, "bad_exit",
         status ? fmt::format("the engine ends with status {} after Bye; 0 is right. {}", *status, process_.last_words())
-               : fmt::format("the engine still runs {} s after Bye", kEndSeconds));
+               : fmt::format("the engine still runs {} s after Bye", kPlayEndSeconds));
 }
 
 double Play::kinetic_energy() const {

@@ -7,7 +7,7 @@ namespace {
 using namespace link::capability;
 using States = std::vector<std::vector<link::State>>;  // of each window
 
-constexpr int kWindows = 300;
+constexpr int kRepeatWindows = 300;
 constexpr BodyId kBornFirst = 100;
 
 // A falling heap of shapes that the engine has, on a floor where it has half spaces.
@@ -59,7 +59,7 @@ void twice(Suite& s) {
   States runs[2];
   for (States& run : runs) {
     Play play(s.target, heap(s));
-    run = go_on(s, play, kWindows, true);
+    run = go_on(s, play, kRepeatWindows, true);
     play.end();
   }
   s.report.check("states", differing(runs[0], runs[1]), 0.0, 0.0, "windows of 300 that differ in a bit");
@@ -70,11 +70,11 @@ void save_and_restore(Suite& s) {
   go_on(s, first, 120, true);
   const std::string caches = first.link().save();
   const Scene then = first.now();
-  const States straight = go_on(s, first, kWindows, false);
+  const States straight = go_on(s, first, kRepeatWindows, false);
   first.end();
   Play second(s.target, then);
   second.link().restore(caches);
-  const States restored = go_on(s, second, kWindows, false);
+  const States restored = go_on(s, second, kRepeatWindows, false);
   second.end();
   s.report.check("states", differing(straight, restored), 0.0, 0.0,
                  fmt::format("windows of 300 that differ in a bit; {} bytes saved", caches.size()));
@@ -85,7 +85,7 @@ void again(Suite& s) {
   States runs[2];
   for (const bool repeats : {false, true}) {
     Play play(s.target, heap(s, true));
-    for (int i = 0; i < kWindows; ++i) {
+    for (int i = 0; i < kRepeatWindows; ++i) {
       const std::vector<link::Motion> right = play.flight();
       if (repeats && i % 3 == 0) {
         std::vector<link::Motion> other = right;

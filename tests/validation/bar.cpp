@@ -21,13 +21,13 @@ using namespace sunder::shell;
 
 // Softening under a driven end is stable where 2 E G_f / strength^2 is longer than the bar; here it is 2.5 times as
 // long. Strains are so small (complete damage at 0.4 % on the finest mesh) that true and nominal stress agree.
-constexpr double kLength = 0.1, kWidth = 0.025, kThickness = 0.002;
-constexpr double kYoung = 3e9, kStrength = 1.5e5, kToughness = 1.25 * kStrength * kStrength * kLength / kYoung;
+constexpr double kBarLength = 0.1, kBarWidth = 0.025, kBarThickness = 0.002;
+constexpr double kBarYoung = 3e9, kStrength = 1.5e5, kToughness = 1.25 * kStrength * kStrength * kBarLength / kBarYoung;
 // A column of elements in the middle is a little weaker. Two columns at either end are stronger. Otherwise a band could
 // form between a support and one column of Gauss points. It would be narrower, and a crack would not lie in its middle.
 constexpr float kWeak = 0.99f, kGrip = 1.5f;
 constexpr double kTransits = 300.0;  // passages of a wave over the bar while it is pulled apart
-constexpr double kPull = 1.3;        // multiple of 2 G_f / strength, at which softening over one width is complete
+constexpr double kBarPull = 1.3;     // multiple of 2 G_f / strength, at which softening over one width is complete
 
 // The strain of quadratic functions is piecewise linear. It localises in one hat over two elements, whose Gauss points
 // are at 0.211, 0.789, 0.789, 0.211 of its height. When damage is complete at the inner two, the outer two have 0.268
@@ -57,16 +57,16 @@ double passed(double c, double h) {
 
 ShellModel make_bar(int elements, double duration) {
   ShellMaterial material;
-  material.density = 1000, material.youngs_modulus = kYoung, material.poisson_ratio = 0.0;
+  material.density = 1000, material.youngs_modulus = kBarYoung, material.poisson_ratio = 0.0;
   material.strength = kStrength, material.fracture_energy = kToughness;
-  material.mass_damping = 2.0 * std::sqrt(kYoung / material.density) / kLength;
+  material.mass_damping = 2.0 * std::sqrt(kBarYoung / material.density) / kBarLength;
   Support fixed, driven;
   fixed.edges = kUMin, driven.edges = kUMax;
   fixed.clamped = driven.clamped = false;
   fixed.axes = driven.axes = {true, false, false};
-  driven.motion = {{0.0, Vec3::Zero()}, {duration, Vec3(kPull * 2.0 * kToughness / kStrength, 0.0, 0.0)}};
-  ShellModel m = make_shell("bar", plate(kLength, kWidth, elements, elements / 4, Vec3::Zero(), Quat::Identity()),
-                            kThickness, material, 1, 2, {fixed, driven});
+  driven.motion = {{0.0, Vec3::Zero()}, {duration, Vec3(kBarPull * 2.0 * kToughness / kStrength, 0.0, 0.0)}};
+  ShellModel m = make_shell("bar", plate(kBarLength, kBarWidth, elements, elements / 4, Vec3::Zero(), Quat::Identity()),
+                            kBarThickness, material, 1, 2, {fixed, driven});
   const RowTables& t = m.tables;
   m.strength_factor.assign(static_cast<std::size_t>(t.blocks()) * t.lanes, 1.0f);
   for (int q = 0; q < t.blocks(); ++q)
@@ -78,17 +78,17 @@ ShellModel make_bar(int elements, double duration) {
 }
 
 Pulled pull(int elements, double width, bool heals, int threads) {
-  const double duration = kTransits * kLength / std::sqrt(kYoung / 1000.0);
+  const double duration = kTransits * kBarLength / std::sqrt(kBarYoung / 1000.0);
   RunSetup setup = setup_of({{make_bar(elements, duration)}});
   setup.seed = 1;
   FractureRules& rules = setup.shells[0].fracture;
   rules.mode = FractureMode::kDamage;
-  rules.damage.brittleness = brittleness(kStrength, kYoung, kToughness, width), rules.damage.heals = heals;
+  rules.damage.brittleness = brittleness(kStrength, kBarYoung, kToughness, width), rules.damage.heals = heals;
   Rig rig(std::move(setup), threads);
   const ShellModel& m = rig.model();
   const RowTables& t = m.tables;
   ShellState& s = rig.state();
-  const double section = kWidth * kThickness;
+  const double section = kBarWidth * kBarThickness;
   const int steps = static_cast<int>(std::ceil(duration / (0.5 * stable_step(m, s, 200, threads, true))));
   const int often = std::max(1, steps / 400);
   const double dt = duration / steps;
@@ -111,7 +111,7 @@ Pulled pull(int elements, double width, bool heals, int threads) {
     if (extract_cracks(m, s, s.motion.time) == 0) continue;
     out.residual = stress;
     for (std::size_t i = 0; i < worst.size(); ++i)
-      out.band += s.cracked.gathered[i].area / kWidth * passed(worst[i], s.layers.brittleness);
+      out.band += s.cracked.gathered[i].area / kBarWidth * passed(worst[i], s.layers.brittleness);
   }
   const double left = compute_forces(m, s, true, 0.0, threads) + kinetic_energy(m, s, dt);
   out.energy = (s.book.external - s.book.damping - left) / section;
@@ -123,7 +123,7 @@ Pulled pull(int elements, double width, bool heals, int threads) {
 
 void bar(Report& r, int threads) {
   for (const int n : {16, 32, 48}) {
-    const double h = kLength / n;
+    const double h = kBarLength / n;
     for (const bool heals : {true, false}) {
       const double start = seconds_now();
       const std::string name = fmt::format("{}_{}", heals ? "bar" : "bar_maximum", n);

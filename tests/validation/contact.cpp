@@ -35,7 +35,7 @@ struct Pair : Rig {
   }
 };
 
-ShellMaterial material(double young, double damping = 0.0) {
+ShellMaterial struck_material(double young, double damping = 0.0) {
   ShellMaterial m;
   m.density = 1000, m.youngs_modulus = young, m.poisson_ratio = 0.3, m.mass_damping = damping;
   return m;
@@ -44,7 +44,7 @@ ShellMaterial material(double young, double damping = 0.0) {
 struct Mean {
   Vec3 x = Vec3::Zero(), v = Vec3::Zero();
 };
-Mean mean(const ShellModel& m, const ShellState& s) {
+Mean mean_motion(const ShellModel& m, const ShellState& s) {
   Mean out;
   double mass = 0.0;
   for (int i = 0; i < m.control_points(); ++i) {
@@ -64,16 +64,17 @@ void incline(Report& report) {
   for (const double share : {0.8, 0.95, 1.05, 1.3, 1.8}) {
     const double start = seconds_now(), angle = share * slides_at;
     const Quat turn(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
-    Pair p(make_shell("slope", plate(1.6, 0.8, 32, 16, Vec3::Zero(), Quat::Identity()), 0.05, material(1e9, 200.0), 2,
-                      2, {clamp}),
-           make_shell("block", plate(0.3, 0.3, 8, 8, Vec3(-0.3, 0.0, 0.0500), turn), 0.05, material(1e9), 2, 2, {}),
-           {kFriction, 0.0}, Vec3::Zero());
+    Pair p(
+        make_shell("slope", plate(1.6, 0.8, 32, 16, Vec3::Zero(), Quat::Identity()), 0.05, struck_material(1e9, 200.0),
+                   2, 2, {clamp}),
+        make_shell("block", plate(0.3, 0.3, 8, 8, Vec3(-0.3, 0.0, 0.0500), turn), 0.05, struck_material(1e9), 2, 2, {}),
+        {kFriction, 0.0}, Vec3::Zero());
     const double dt = p.length();
     const Vec3 gravity = kGravity * Vec3(std::sin(angle), 0.0, -std::cos(angle));
     p.go(0.1, dt, gravity);  // until what it has set in motion has passed
-    const Vec3 before = mean(p.high, p.b).v;
+    const Vec3 before = mean_motion(p.high, p.b).v;
     p.go(kTime, dt, gravity);
-    const double found = (mean(p.high, p.b).v.x() - before.x()) / kTime;
+    const double found = (mean_motion(p.high, p.b).v.x() - before.x()) / kTime;
     const double exact = share < 1.0 ? 0.0 : kGravity * (std::sin(angle) - kFriction * std::cos(angle));
     // Holding force, as a share of gravity along the slope.
     report.add(fmt::format("incline_{:.2f}", share), found / (kGravity * std::sin(angle)),
@@ -89,10 +90,10 @@ void pressed(Report& report) {
   for (const double pressure : {1e2, 1e3, 1e4}) {
     Load load;
     load.kind = Load::Kind::kPressure, load.size = -pressure;
-    Pair p(make_shell("low", plate(0.5, 0.5, 20, 20, Vec3::Zero(), Quat::Identity()), kThickness, material(1e10, 400.0),
-                      2, 2, {hinge}),
+    Pair p(make_shell("low", plate(0.5, 0.5, 20, 20, Vec3::Zero(), Quat::Identity()), kThickness,
+                      struck_material(1e10, 400.0), 2, 2, {hinge}),
            make_shell("high", plate(0.4, 0.4, 16, 16, Vec3(0.013, 0.007, 0.0045), Quat::Identity()), kThickness,
-                      material(1e10, 400.0), 2, 2, {}, {load}),
+                      struck_material(1e10, 400.0), 2, 2, {}, {load}),
            {}, Vec3::Zero());
     p.go(0.05, p.length(), Vec3::Zero());
     // distance of both middles, over the thickness
@@ -108,13 +109,14 @@ void pressed(Report& report) {
   }
 }
 
-void collision(Report& report) {
+void ball_collision(Report& report) {
   const double start = seconds_now();
   for (const double restitution : {0.0, 1.0}) {
     Pair p(
-        make_shell("low", plate(0.5, 0.5, 20, 20, Vec3::Zero(), Quat::Identity()), 0.004, material(1e8), 2, 2, {}),
+        make_shell("low", plate(0.5, 0.5, 20, 20, Vec3::Zero(), Quat::Identity()), 0.004, struck_material(1e8), 2, 2,
+                   {}),
         make_shell("high", plate(0.4, 0.4, 14, 14, Vec3(0.1, 0.05, 0.008), Quat(Eigen::AngleAxisd(0.4, Vec3::UnitZ()))),
-                   0.004, material(1e8), 2, 2, {}),
+                   0.004, struck_material(1e8), 2, 2, {}),
         {0.3, restitution}, Vec3(1, 0, -5));
     const auto totals_now = [&] {
       Totals t = totals(p.low, p.a);
@@ -150,7 +152,7 @@ std::vector<Case> contact_cases() {
           {"pressed", "two plates pressed together: distance of their middles over the thickness",
            [](Report& r, int) { pressed(r); }},
           {"collision", "free plates that collide: momentum, angular momentum, energy with its book",
-           [](Report& r, int) { collision(r); }}};
+           [](Report& r, int) { ball_collision(r); }}};
 }
 
 }  // namespace sunder::validation

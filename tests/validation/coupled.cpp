@@ -15,8 +15,9 @@
 namespace sunder::validation {
 namespace {
 
-constexpr double kSide = 0.3, kThickness = 0.004, kDensity = 2500.0, kRadius = 0.04, kGap = 1e-5, kSpeed = 1.0;
-constexpr int kElements = 8;
+constexpr double kStruckSide = 0.3, kStruckThickness = 0.004, kStruckDensity = 2500.0, kBallRadius = 0.04, kGap = 1e-5,
+                 kSpeed = 1.0;
+constexpr int kStruckElements = 8;
 constexpr double kArm = 0.12;   // from the hinge to the ball's centre [m]
 constexpr double kHertz = 1e8;  // elastic contact, which conserves energy [N/m^1.5]
 
@@ -30,8 +31,8 @@ double gap(const Coupled& c) { return c.resting ? kGap : kGap * thrown(c) / kSpe
 
 std::string coupled_text(const Coupled& c) {
   const double window = c.substeps * coupled_substep();
-  const double plate_mass = kDensity * kThickness * kSide * kSide;
-  const double density = c.ratio * plate_mass / (4.0 / 3.0 * std::numbers::pi * std::pow(kRadius, 3));
+  const double plate_mass = kStruckDensity * kStruckThickness * kStruckSide * kStruckSide;
+  const double density = c.ratio * plate_mass / (4.0 / 3.0 * std::numbers::pi * std::pow(kBallRadius, 3));
   const std::string contact =
       c.elastic ? fmt::format(
                       "contacts {{ friction: 0 }} contacts {{ first: \"plate\" second: \"ball\" hertz {{ "
@@ -47,33 +48,34 @@ std::string coupled_text(const Coupled& c) {
       "}}\n"
       "{}\n"
       "coupling {{ scheme: {} }}\noutput {{ frame_interval_s: 1e9 checkpoint_interval_s: 0 }}\n",
-      c.windows * window, window, coupled_substep(), c.resting ? -9.81 : 0.0, kDensity, density, kThickness,
-      c.hold == Hold::kFree ? 0.0 : -thrown(c), kSide, kSide, kElements, kElements, contact, c.scheme);
+      c.windows * window, window, coupled_substep(), c.resting ? -9.81 : 0.0, kStruckDensity, density, kStruckThickness,
+      c.hold == Hold::kFree ? 0.0 : -thrown(c), kStruckSide, kStruckSide, kStruckElements, kStruckElements, contact,
+      c.scheme);
   const auto sphere = [&](const char* name, double z, double vz) {
     return fmt::format(
         "bodies {{ name: \"{}\" material: \"body\" sphere {{ radius_m: {} }} pose {{ position {{ x: 7.926e-3 y: "
         "7.926e-3 z: {:.17g} }} }} twist {{ linear {{ z: {} }} }} }}\n",
-        name, kRadius, z, vz);
+        name, kBallRadius, z, vz);
   };
-  const double top = 0.5 * kThickness + gap(c);
-  if (c.hold == Hold::kFree) return s + sphere("ball", top + kRadius, c.resting ? 0.0 : -thrown(c)) + c.more;
+  const double top = 0.5 * kStruckThickness + gap(c);
+  if (c.hold == Hold::kFree) return s + sphere("ball", top + kBallRadius, c.resting ? 0.0 : -thrown(c)) + c.more;
   if (c.hold == Hold::kHinge)
-    return s + sphere("ball", -top - kRadius, 0.0) +
+    return s + sphere("ball", -top - kBallRadius, 0.0) +
            fmt::format(
                "joints {{ name: \"pin\" kind: HINGE first: \"ball\" position {{ x: {:.17g} y: 7.926e-3 z: {:.17g} }} "
                "axis {{ y: 1 }} }}\n",
-               7.926e-3 - kArm, -top - kRadius) +
+               7.926e-3 - kArm, -top - kBallRadius) +
            c.more;
-  s += sphere("ball", -top - kRadius, 0.0);
-  double low = -top - 2.0 * kRadius - gap(c);
-  if (c.hold == Hold::kBody) s += sphere("other", low - kRadius, 0.0), low -= 2.0 * kRadius + gap(c);
+  s += sphere("ball", -top - kBallRadius, 0.0);
+  double low = -top - 2.0 * kBallRadius - gap(c);
+  if (c.hold == Hold::kBody) s += sphere("other", low - kBallRadius, 0.0), low -= 2.0 * kBallRadius + gap(c);
   return s + fmt::format("bodies {{ name: \"floor\" half_space {{}} pose {{ position {{ z: {:.17g} }} }} }}\n", low) +
          c.more;
 }
 
 double coupled_substep() {
   // A wave in the plane crosses an element in this time: 0.6 of the stable step.
-  return 1.0 * kSide / kElements / std::sqrt(70e9 / ((1.0 - 0.22 * 0.22) * kDensity));
+  return 1.0 * kStruckSide / kStruckElements / std::sqrt(70e9 / ((1.0 - 0.22 * 0.22) * kStruckDensity));
 }
 
 namespace {
@@ -100,7 +102,7 @@ Watched run_coupled(const Coupled& c, const Tamper& tamper) {
         w.track.push_back(bodies[0]->motion);
       },
       &end, tamper);
-  const double plate = kDensity * kThickness * kSide * kSide;
+  const double plate = kStruckDensity * kStruckThickness * kStruckSide * kStruckSide;
   w.start_energy = c.hold == Hold::kFree ? 0.5 * c.ratio * plate * thrown(c) * thrown(c) : first_energy(c);
   w.hardest = end.hardest, w.exported = end.exported;
   if (!end.summary.empty())  // of a run that did not begin

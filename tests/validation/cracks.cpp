@@ -20,22 +20,22 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kYoung = 70e9, kThickness = 0.004;
+using std::numbers::pi;
+constexpr double kPaneYoung = 70e9, kPaneThickness = 0.004;
 
-ShellMaterial glass() {
+ShellMaterial pane_glass() {
   ShellMaterial m;
-  m.density = 2500, m.youngs_modulus = kYoung, m.poisson_ratio = 0.22, m.strength = 60e6, m.fracture_energy = 8.0;
+  m.density = 2500, m.youngs_modulus = kPaneYoung, m.poisson_ratio = 0.22, m.strength = 60e6, m.fracture_energy = 8.0;
   return m;
 }
 
 ShellModel flat(int elements) {
-  return make_shell("flat", plate(0.2, 0.2, elements, elements, Vec3::Zero(), Quat::Identity()), kThickness, glass(), 2,
-                    2, {});
+  return make_shell("flat", plate(0.2, 0.2, elements, elements, Vec3::Zero(), Quat::Identity()), kPaneThickness,
+                    pane_glass(), 2, 2, {});
 }
 // A rational patch: a sector of a cylinder.
 ShellModel curved(int elements) {
-  return make_shell("curved", cylinder(0.2, 0.2, 1.0, elements, elements), kThickness, glass(), 2, 2, {});
+  return make_shell("curved", cylinder(0.2, 0.2, 1.0, elements, elements), kPaneThickness, pane_glass(), 2, 2, {});
 }
 
 // Returns the largest force on a control point over E thickness spacing, which is the force of a strain of one.
@@ -44,7 +44,7 @@ double largest_force(const ShellModel& m, ShellState& s) {
   double largest = 0.0;
   for (int i = 0; i < m.control_points(); ++i)
     largest = std::max(largest, s.at(s.motion.force, m.tables.slot(i)).norm());
-  return largest / (kYoung * m.thickness * m.spacing);
+  return largest / (kPaneYoung * m.thickness * m.spacing);
 }
 
 void move(const ShellModel& m, ShellState& s, const std::vector<int>& points, const Quat& turn, const Vec3& by) {
@@ -134,7 +134,7 @@ std::vector<Vec2> spiral(const Vec2& centre, double turns, double inner, double 
   std::vector<Vec2> points;
   constexpr int kPerTurn = 48;
   for (int k = 0; k <= turns * kPerTurn; ++k) {
-    const double a = 2.0 * kPi * k / kPerTurn, r = inner + (outer - inner) * k / (turns * kPerTurn);
+    const double a = 2.0 * pi * k / kPerTurn, r = inner + (outer - inner) * k / (turns * kPerTurn);
     points.push_back(centre + r * Vec2(std::cos(a), std::sin(a)));
   }
   return points;
@@ -164,7 +164,7 @@ void cuts_case(Report& r, int threads) {
     ShellState s = make_state(m, Vec3::Zero(), 1);
     const double intact = stable_step(m, s, 200, 1, true);
     const Vec2 centre = low + (high - low).cwiseProduct(Vec2(0.2 + 0.6 * uniform(random), 0.2 + 0.6 * uniform(random)));
-    const double angle = kPi * uniform(random);
+    const double angle = pi * uniform(random);
     const Vec2 d(std::cos(angle), std::sin(angle));
     // Half of them run from border to border.
     double back = 0.3 * uniform(random) * (high - low).x(), ahead = 0.3 * uniform(random) * (high - low).x();

@@ -19,10 +19,10 @@ namespace {
 
 using namespace sunder::shell;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
+using ClothGrid = CGAL::Surface_mesh<Kernel::Point_3>;
 
 // [m]; the pull towards the origin per mass and distance is kPull^2 [rad/s]
-constexpr double kSize = 1.0, kPull = 12.0;
+constexpr double kClothSize = 1.0, kClothPull = 12.0;
 constexpr double kSettled = 0.6;  // the sheet has collapsed twice by then [s]
 
 // Counts pairs of triangles that cross, by exact predicates. The mesh has four squares per element: with one, crossings
@@ -33,22 +33,22 @@ struct Crossings {
 };
 Crossings crossings(const ShellModel& m, const ShellState& s, int elements, double near) {
   const int cells = 2 * elements;
-  Surface surface;
+  ClothGrid surface;
   std::vector<Vec3> rest;
   const int across = cells + 1;
   const auto corner = [&](int i, int j) {
-    return Surface::Vertex_index(static_cast<Surface::size_type>(j * across + i));
+    return ClothGrid::Vertex_index(static_cast<ClothGrid::size_type>(j * across + i));
   };
   for (int j = 0; j < across; ++j)
     for (int i = 0; i < across; ++i) {
       Vec3 x = Vec3::Zero(), at = Vec3::Zero();
       for (const GatheredFunction& f :
-           patch_functions(m.patch, Vec2(kSize * i / cells, kSize * j / cells), m.tables.stride))
+           patch_functions(m.patch, Vec2(kClothSize * i / cells, kClothSize * j / cells), m.tables.stride))
         x += f.n[0] * s.position(f.slot), at += f.n[0] * s.at(m.rest, f.slot);
       surface.add_vertex({x.x(), x.y(), x.z()}), rest.push_back(at);
     }
   std::vector<Vec3> middle;
-  const auto add = [&](Surface::Vertex_index a, Surface::Vertex_index b, Surface::Vertex_index c) {
+  const auto add = [&](ClothGrid::Vertex_index a, ClothGrid::Vertex_index b, ClothGrid::Vertex_index c) {
     surface.add_face(a, b, c);
     middle.emplace_back((rest[a] + rest[b] + rest[c]) / 3.0);
   };
@@ -57,7 +57,7 @@ Crossings crossings(const ShellModel& m, const ShellState& s, int elements, doub
       add(corner(i, j), corner(i + 1, j), corner(i + 1, j + 1));
       add(corner(i, j), corner(i + 1, j + 1), corner(i, j + 1));
     }
-  std::vector<std::pair<Surface::Face_index, Surface::Face_index>> found;
+  std::vector<std::pair<ClothGrid::Face_index, ClothGrid::Face_index>> found;
   CGAL::Polygon_mesh_processing::self_intersections(surface, std::back_inserter(found));
   Crossings out;
   for (const auto& [a, b] : found) ++((middle[a] - middle[b]).norm() > near ? out.through : out.folded);
@@ -80,15 +80,15 @@ struct Sheet {
   ShellState s;
 };
 Sheet waving(int elements, double phase) {
-  const double spacing = kSize / elements;
+  const double spacing = kClothSize / elements;
   ShellMaterial film;
   film.density = 1000, film.youngs_modulus = 1e6, film.poisson_ratio = 0.3;
-  ShellModel m = make_shell("sheet", plate(kSize, kSize, elements, elements, Vec3::Zero(), Quat::Identity()),
+  ShellModel m = make_shell("sheet", plate(kClothSize, kClothSize, elements, elements, Vec3::Zero(), Quat::Identity()),
                             0.4 * spacing, film, 2, 2, {});
   ShellState s = make_state(m, Vec3::Zero(), 0);
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
-    const Vec3 x = std::numbers::pi * s.position(slot) / kSize;
+    const Vec3 x = std::numbers::pi * s.position(slot) / kClothSize;
     s.motion.v[2 * m.tables.component_stride + slot] =
         0.5 * std::sin(3.0 * x.x() + 2.0 * x.y() + 0.7 + phase) + 0.4 * std::cos(2.0 * x.x() - 5.0 * x.y() + 0.2);
   }
@@ -104,7 +104,7 @@ struct Way {
 };
 
 void crumple(Report& report, int elements, int threads, const Way& way) {
-  const double start = seconds_now(), spacing = kSize / elements;
+  const double start = seconds_now(), spacing = kClothSize / elements;
   const int substeps = way.substeps;
   Sheet sheet = waving(elements, way.phase);
   const ShellModel& m = sheet.m;
@@ -119,12 +119,12 @@ void crumple(Report& report, int elements, int threads, const Way& way) {
       const int slot = m.tables.slot(i);
       for (int d = 0; d < 3; ++d)
         s.motion.force[d * m.tables.component_stride + slot] -=
-            kPull * kPull * s.motion.mass[slot] * s.position(slot)[d];
+            kClothPull * kClothPull * s.motion.mass[slot] * s.position(slot)[d];
     }
     return elastic;
   };
   const auto energy = [&] {
-    return force(true) + kinetic_energy(m, s, dt) + s.book.lost() + 0.5 * kPull * kPull * spread(m, s);
+    return force(true) + kinetic_energy(m, s, dt) + s.book.lost() + 0.5 * kClothPull * kClothPull * spread(m, s);
   };
   const double first = energy(), flat = spread(m, s);
   const Totals before = totals(m, s);

@@ -10,7 +10,7 @@ namespace sunder::validation {
 namespace {
 
 constexpr int kMostDiameters = 8;
-constexpr double kStep = 0.01, kMostK = 12.0;  // of k times the outer radius
+constexpr double kRootStep = 0.01, kMostK = 12.0;  // of k times the outer radius
 
 // A radial function, with its first derivative.
 struct Radial {
@@ -66,10 +66,10 @@ std::vector<double> free_disc_modes(const Disc& d, int count) {
   std::vector<double> out;
   for (int n = 0; n <= kMostDiameters; ++n) {
     double before = determinant_of(d, n, 0.5 / d.outer);
-    for (double x = 0.5 + kStep; x < kMostK; x += kStep) {
+    for (double x = 0.5 + kRootStep; x < kMostK; x += kRootStep) {
       const double now = determinant_of(d, n, x / d.outer);
       if (before * now < 0.0) {
-        double low = (x - kStep) / d.outer, high = x / d.outer;
+        double low = (x - kRootStep) / d.outer, high = x / d.outer;
         for (int k = 0; k < 60; ++k) {
           const double middle = 0.5 * (low + high);
           (determinant_of(d, n, middle) * now < 0.0 ? low : high) = middle;

@@ -15,9 +15,9 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
-ShellModel square(int elements, const std::vector<Support>& supports, int degree = 2) {
+ShellModel square_plate(int elements, const std::vector<Support>& supports, int degree = 2) {
   ShellMaterial m;
   m.density = 2500, m.youngs_modulus = 70e9, m.poisson_ratio = 0.22;
   return make_shell("square", plate(1.0, 1.0, elements, elements, Vec3::Zero(), Quat::Identity(), degree), 0.004, m, 2,
@@ -28,18 +28,18 @@ ShellModel square(int elements, const std::vector<Support>& supports, int degree
 double frequency(int p, int q, int elements, int threads, int degree = 2) {
   Support hinge;
   hinge.edges = kUMin | kUMax | kVMin | kVMax, hinge.clamped = false;
-  Rig rig(setup_of({{square(elements, {hinge}, degree)}}), threads);
+  Rig rig(setup_of({{square_plate(elements, {hinge}, degree)}}), threads);
   const ShellModel& m = rig.model();
   ShellState& s = rig.state();
   const std::size_t stride = m.tables.component_stride;
   std::vector<double> shape(stride, 0.0);
   for (int i = 0; i < m.control_points(); ++i) {
     const Vec2 g = m.parameter[i];
-    shape[m.tables.slot(i)] = std::sin(p * kPi * g.x()) * std::sin(q * kPi * g.y());
+    shape[m.tables.slot(i)] = std::sin(p * pi * g.x()) * std::sin(q * pi * g.y());
   }
   const double dt = 0.5 * stable_step(m, s, 150, threads, false);
   const double rigidity = 70e9 * std::pow(0.004, 3) / 12.0 / (1.0 - 0.22 * 0.22);
-  const double omega = (p * p + q * q) * kPi * kPi * std::sqrt(rigidity / (2500 * 0.004));
+  const double omega = (p * p + q * q) * pi * pi * std::sqrt(rigidity / (2500 * 0.004));
   for (std::size_t i = 0; i < stride; ++i)
     if (s.motion.inverse_mass[i] > 0.0) s.motion.v[2 * stride + i] = 1e-6 * omega * shape[i];  // 1 um: a linear motion
   const auto share = [&] {
@@ -59,18 +59,18 @@ double frequency(int p, int q, int elements, int threads, int degree = 2) {
     }
     before = now;
   }
-  return kPi * (crossings - 1) / (last - first) * std::sqrt(2500 * 0.004 / rigidity);
+  return pi * (crossings - 1) / (last - first) * std::sqrt(2500 * 0.004 / rigidity);
 }
 
 void frequency_case(Report& r, int threads) {
   const int modes[4][2] = {{1, 1}, {1, 2}, {2, 2}, {1, 3}};
   for (const auto& [p, q] : modes) {
-    const double start = seconds_now(), exact = (p * p + q * q) * kPi * kPi;
+    const double start = seconds_now(), exact = (p * p + q * q) * pi * pi;
     r.add(fmt::format("plate_frequency_{}{}", p, q), frequency(p, q, 48, threads), exact, 0.005, seconds_now() - start);
   }
   Curve c{"plate_frequency_11", "elements a side", "relative error", {}, {}, true};
   for (const int n : {4, 8, 16, 32}) {
-    c.x.push_back(n), c.y.push_back(std::abs(frequency(1, 1, n, threads) / (2.0 * kPi * kPi) - 1.0));
+    c.x.push_back(n), c.y.push_back(std::abs(frequency(1, 1, n, threads) / (2.0 * pi * pi) - 1.0));
   }
   const double order = std::log2(c.y[2] / c.y[3]);
   r.lines.push_back(
@@ -88,13 +88,13 @@ void frequency_case(Report& r, int threads) {
 void cubic_frequency_case(Report& r, int threads) {
   const int modes[4][2] = {{1, 1}, {1, 2}, {2, 2}, {1, 3}};
   for (const auto& [p, q] : modes) {
-    const double start = seconds_now(), exact = (p * p + q * q) * kPi * kPi;
+    const double start = seconds_now(), exact = (p * p + q * q) * pi * pi;
     r.add(fmt::format("cubic_plate_frequency_{}{}", p, q), frequency(p, q, 16, threads, 3), exact,
           exact / (6 * 16 * 16), seconds_now() - start);
   }
   Curve c{"cubic_plate_frequency_11", "elements a side", "relative error", {}, {}, true};
   for (const int n : {4, 8, 16, 32}) {
-    c.x.push_back(n), c.y.push_back(std::abs(frequency(1, 1, n, threads, 3) / (2.0 * kPi * kPi) - 1.0));
+    c.x.push_back(n), c.y.push_back(std::abs(frequency(1, 1, n, threads, 3) / (2.0 * pi * pi) - 1.0));
   }
   const double order = std::log2(c.y[2] / c.y[3]);
   r.lines.push_back(
@@ -107,7 +107,7 @@ void cubic_frequency_case(Report& r, int threads) {
 
 void vibration_case(Report& r, int threads) {
   const double start = seconds_now();
-  Rig rig(setup_of({{square(6, {}), Vec3(1.0, -2.0, 0.5)}}), threads);
+  Rig rig(setup_of({{square_plate(6, {}), Vec3(1.0, -2.0, 0.5)}}), threads);
   const ShellModel& m = rig.model();
   ShellState& s = rig.state();
   const std::size_t stride = m.tables.component_stride;
@@ -115,7 +115,7 @@ void vibration_case(Report& r, int threads) {
     const int slot = m.tables.slot(i);
     const Vec3 x = s.position(slot);
     const Vec3 spin = Vec3(0.3, 0.2, 2.0).cross(x);
-    s.add_velocity(slot, spin + Vec3(0, 0, 0.2 * std::cos(2.0 * kPi * x.x()) * std::cos(kPi * x.y())));
+    s.add_velocity(slot, spin + Vec3(0, 0, 0.2 * std::cos(2.0 * pi * x.x()) * std::cos(pi * x.y())));
   }
   const double dt = 0.8 * stable_step(m, s, 200, threads, false);
   const auto energy = [&] {

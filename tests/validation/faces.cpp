@@ -16,7 +16,7 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kLength = 0.2, kWidth = 0.02, kThickness = 0.004;
+constexpr double kHingeLength = 0.2, kHingeWidth = 0.02, kHingeThickness = 0.004;
 
 ShellMaterial brittle() {
   ShellMaterial m = glass();
@@ -26,11 +26,11 @@ ShellMaterial brittle() {
 
 // Cuts across the middle; the faces of the cut touch.
 void cut(const ShellModel& m, ShellState& s) {
-  const int crack = s.cracks.graph.new_crack(), pieces = static_cast<int>(std::round(kWidth / m.spacing));
-  const double x = 0.5 * kLength + 1e-4 * m.spacing, past = 0.1 * m.spacing;
+  const int crack = s.cracks.graph.new_crack(), pieces = static_cast<int>(std::round(kHingeWidth / m.spacing));
+  const double x = 0.5 * kHingeLength + 1e-4 * m.spacing, past = 0.1 * m.spacing;
   int last = s.cracks.graph.add_vertex({x, -past});
   for (int k = 1; k <= pieces; ++k) {
-    const int next = s.cracks.graph.add_vertex({x, k == pieces ? kWidth + past : kWidth * k / pieces});
+    const int next = s.cracks.graph.add_vertex({x, k == pieces ? kHingeWidth + past : kHingeWidth * k / pieces});
     insert_edge(m, s, last, next, crack, 0.0, 1, true);
     last = next;
   }
@@ -43,9 +43,10 @@ void hinge(Report& r, int threads) {
     const double start = seconds_now(), weight = 224.0;  // [m/s^2]
     ShellMaterial material = brittle();
     material.mass_damping = 3000.0;  // [1/s]: about critical
-    const ShellModel m = make_shell(
-        "p", plate(kLength, kWidth, elements, elements / 10, Vec3(0.5 * kLength, 0.5 * kWidth, 0), Quat::Identity()),
-        kThickness, material, 2, 2, {});
+    const ShellModel m = make_shell("p",
+                                    plate(kHingeLength, kHingeWidth, elements, elements / 10,
+                                          Vec3(0.5 * kHingeLength, 0.5 * kHingeWidth, 0), Quat::Identity()),
+                                    kHingeThickness, material, 2, 2, {});
     RunSetup setup = setup_of({{m}});
     setup.shells[0].fracture.mode = FractureMode::kTips;  // so that faces know where a substep begins
     setup.gravity = {0, 0, -weight};
@@ -56,7 +57,7 @@ void hinge(Report& r, int threads) {
     std::vector<int> left;  // slots of the left edge; both edges are held
     for (int i = 0; i < m.control_points(); ++i) {
       const double x = m.parameter[i].x();
-      if (x > 1e-9 && x < kLength - 1e-9) continue;
+      if (x > 1e-9 && x < kHingeLength - 1e-9) continue;
       s.motion.inverse_mass[m.tables.slot(i)] = 0.0;
       if (x < 1e-9) left.push_back(m.tables.slot(i));
     }
@@ -73,13 +74,13 @@ void hinge(Report& r, int threads) {
     for (const Interlock& lock : s.cracks.interlocks) area += lock.area;
     drop /= area;
     for (const int slot : left) thrust -= s.motion.force[slot];
-    const double half = 0.5 * kLength, rise = 0.5 * kThickness - drop;
-    const double exact = material.density * kThickness * kWidth * weight * half * half / (2.0 * rise);
+    const double half = 0.5 * kHingeLength, rise = 0.5 * kHingeThickness - drop;
+    const double exact = material.density * kHingeThickness * kHingeWidth * weight * half * half / (2.0 * rise);
     r.add(fmt::format("hinge_thrust_{}", elements), thrust, exact, 0.02, seconds_now() - start);
     double fastest = 0.0;
     for (std::size_t i = 0; i < 3 * stride; ++i) fastest = std::max(fastest, std::abs(s.motion.v[i]));
     r.lines.push_back(fmt::format("hinge {}: the middle sinks {:.3g} mm of the {:.3g} mm of its rise; still {:.1g} m/s",
-                                  elements, 1e3 * drop, 0.5e3 * kThickness, fastest));
+                                  elements, 1e3 * drop, 0.5e3 * kHingeThickness, fastest));
   }
 }
 
@@ -90,16 +91,17 @@ void block(Report& r, int) {
       const double start = seconds_now();
       ShellMaterial material = brittle();
       material.crack_friction = friction;
-      const ShellModel m =
-          make_shell("p", plate(kLength, kWidth, 40, 4, Vec3(0.5 * kLength, 0.5 * kWidth, 0), Quat::Identity()),
-                     kThickness, material, 2, 2, {});
+      const ShellModel m = make_shell(
+          "p",
+          plate(kHingeLength, kHingeWidth, 40, 4, Vec3(0.5 * kHingeLength, 0.5 * kHingeWidth, 0), Quat::Identity()),
+          kHingeThickness, material, 2, 2, {});
       ShellState s = make_state(m, Vec3::Zero(), 0);
       cut(m, s);
       const std::size_t stride = m.tables.component_stride;
       const int way = across ? 2 : 1;
       const auto move = [&](int axis, double by) {
         for (int i = 0; i < m.control_points(); ++i)
-          if (m.parameter[i].x() > 0.5 * kLength) s.motion.x[axis * stride + m.tables.slot(i)] += by;
+          if (m.parameter[i].x() > 0.5 * kHingeLength) s.motion.x[axis * stride + m.tables.slot(i)] += by;
       };
       move(0, -2e-6);
       const double step = 2e-8;
@@ -114,7 +116,7 @@ void block(Report& r, int) {
                          });
         pressure = shear = 0.0;
         for (int i = 0; i < m.control_points(); ++i) {
-          if (m.parameter[i].x() <= 0.5 * kLength) continue;
+          if (m.parameter[i].x() <= 0.5 * kHingeLength) continue;
           const int slot = m.tables.slot(i);
           pressure += s.motion.force[slot], shear -= s.motion.force[way * stride + slot];
         }

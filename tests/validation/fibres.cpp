@@ -12,14 +12,14 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kThickness = 0.004, kDensity = 1000.0;
-constexpr double kSize = 0.24;    // side of the upper sheet [m]
-constexpr int kElements = 8;      // elements per side
-constexpr double kModulus = 1e5;  // of compression and shear [Pa]
+constexpr double kSheetThickness = 0.004, kSheetDensity = 1000.0;
+constexpr double kSheetSize = 0.24;  // side of the upper sheet [m]
+constexpr int kSheetElements = 8;    // elements per side
+constexpr double kModulus = 1e5;     // of compression and shear [Pa]
 
-ShellMaterial material(double damping) {
+ShellMaterial sheet_material(double damping) {
   ShellMaterial m;
-  m.density = kDensity, m.youngs_modulus = 5e8, m.poisson_ratio = 0.3, m.mass_damping = damping;
+  m.density = kSheetDensity, m.youngs_modulus = 5e8, m.poisson_ratio = 0.3, m.mass_damping = damping;
   return m;
 }
 
@@ -34,25 +34,26 @@ Support everywhere() {
 struct Stack : Pile {
   double dt = 0.0;
   Stack(int sheets, double pressure, double friction, double elements, int below, const Quat& turn)
-      : Pile(layers(sheets, pressure, friction, below, turn), elements * kSize / kElements) {
+      : Pile(layers(sheets, pressure, friction, below, turn), elements * kSheetSize / kSheetElements) {
     double least = 1e300;
     for (std::size_t k = 1; k < size(); ++k) least = std::min(least, stable_step(model(k), state(k), 80, 1, false));
     dt = 0.8 * stable_step_with_fibres(least, setup().models());
   }
   static std::vector<Layer> layers(int sheets, double pressure, double friction, int below, const Quat& turn) {
     const FibreLaw law{kModulus, kModulus, friction};
-    const double h = kSize / kElements;
+    const double h = kSheetSize / kSheetElements;
     std::vector<Layer> out{{make_shell("low", plate(below * h, below * h, below, below, Vec3::Zero(), Quat::Identity()),
-                                       kThickness, material(0.0), 2, 2, {everywhere()}),
+                                       kSheetThickness, sheet_material(0.0), 2, 2, {everywhere()}),
                             law}};
     Load load;
     load.kind = Load::Kind::kPressure, load.size = -pressure;
     for (int k = 1; k <= sheets; ++k)
-      out.push_back(
-          {make_shell("high", plate(kSize, kSize, kElements, kElements, Vec3(0, 0, k * (kThickness + 1e-6)), turn),
-                      kThickness, material(1000.0), 2, 2, {},
-                      k == sheets ? std::vector<Load>{load} : std::vector<Load>{}),
-           law});
+      out.push_back({make_shell("high",
+                                plate(kSheetSize, kSheetSize, kSheetElements, kSheetElements,
+                                      Vec3(0, 0, k * (kSheetThickness + 1e-6)), turn),
+                                kSheetThickness, sheet_material(1000.0), 2, 2, {},
+                                k == sheets ? std::vector<Load>{load} : std::vector<Load>{}),
+                     law});
     return out;
   }
   void go(double time) { run(static_cast<int>(std::lround(time / dt)), dt); }
@@ -106,36 +107,36 @@ void compression(Report& report) {
   for (const double elements : {1.0, 1.5, 2.0}) {
     for (const double share : {1e-3, 1e-2, 1e-1}) {
       const double start = seconds_now();
-      Stack s(1, share * kModulus, 0.5, elements, kElements, Quat::Identity());
+      Stack s(1, share * kModulus, 0.5, elements, kSheetElements, Quat::Identity());
       s.go(0.03);
-      const double approach = 1.0 - s.mean(1, false).z() / kThickness;
+      const double approach = 1.0 - s.mean(1, false).z() / kSheetThickness;
       report.add(fmt::format("compressed_{:g}_{:g}p/k", elements, share), approach, std::sqrt(share), 0.01,
                  seconds_now() - start);
     }
     const double start = seconds_now();
-    Stack s(1, 1e-2 * kModulus, 0.5, elements, 2 * kElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
+    Stack s(1, 1e-2 * kModulus, 0.5, elements, 2 * kSheetElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
     s.go(0.03);
     // The lower sheet extends further, so nodes beyond the edge of the upper one carry part of the load.
-    report.add(fmt::format("compressed_edge_{:g}", elements), 1.0 - s.mean(1, false).z() / kThickness, 0.1, 0.02,
+    report.add(fmt::format("compressed_edge_{:g}", elements), 1.0 - s.mean(1, false).z() / kSheetThickness, 0.1, 0.02,
                seconds_now() - start);
   }
   const double start = seconds_now();
-  Stack s(3, 1e-2 * kModulus, 0.5, 1.0, kElements, Quat::Identity());
+  Stack s(3, 1e-2 * kModulus, 0.5, 1.0, kSheetElements, Quat::Identity());
   s.go(0.06);
   for (std::size_t k = 1; k <= 3; ++k)
     report.add(fmt::format("compressed_pile_{}", k),
-               1.0 - (s.mean(k, false).z() - s.mean(k - 1, false).z()) / kThickness, 0.1, 0.01,
+               1.0 - (s.mean(k, false).z() - s.mean(k - 1, false).z()) / kSheetThickness, 0.1, 0.01,
                k == 1 ? seconds_now() - start : 0.0);
 }
 
 // A traction drags a pressed sheet. Friction holds up to c_f p; the excess accelerates the sheet.
 void friction(Report& report) {
   constexpr double kFriction = 0.4, kPressure = 1e3, kTime = 0.01;
-  const double mass = kDensity * kThickness, holds = kFriction * kPressure / mass;  // [kg/m^2], [m/s^2]
+  const double mass = kSheetDensity * kSheetThickness, holds = kFriction * kPressure / mass;  // [kg/m^2], [m/s^2]
   for (const double elements : {1.0, 1.5, 2.0})
     for (const double share : {0.8, 0.95, 1.05, 1.3, 2.0}) {
       const double start = seconds_now();
-      Stack s(1, kPressure, kFriction, elements, 2 * kElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
+      Stack s(1, kPressure, kFriction, elements, 2 * kSheetElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
       s.go(0.03);
       s.setup().gravity.x() = share * holds;
       s.go(0.015);  // until what the jump has set in motion has passed
@@ -154,7 +155,7 @@ void friction(Report& report) {
 void parting(Report& report) {
   for (const double elements : {1.0, 2.0}) {
     const double start = seconds_now();
-    Stack s(1, 1e3, 0.5, elements, 2 * kElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
+    Stack s(1, 1e3, 0.5, elements, 2 * kSheetElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
     s.go(0.03);
     s.remove_damping();
     s.setup().shells[1].model.loads = {}, s.state(1).motion.external.clear();
@@ -167,20 +168,20 @@ void parting(Report& report) {
       s.fibres().add_forces(s.refs());
       double sum = 0.0;
       for (std::size_t i = 0; i < t.mass.size(); ++i) sum += t.force[2 * t.mass.size() + i];
-      most = std::max(most, -sum / (50.0 * kDensity * kThickness * kSize * kSize));
+      most = std::max(most, -sum / (50.0 * kSheetDensity * kSheetThickness * kSheetSize * kSheetSize));
       if (sum != 0.0) free = gap;
     });
     report.add(fmt::format("parting_holds_{:g}", elements), most, 0.0, 1e-3, seconds_now() - start);
-    report.add(fmt::format("parting_free_at_{:g}", elements), free / kThickness, 1.0, 0.02, 0.0);
+    report.add(fmt::format("parting_free_at_{:g}", elements), free / kSheetThickness, 1.0, 0.02, 0.0);
   }
 }
 
 // Free sheets collide obliquely.
-void collision(Report& report) {
+void sheets_collide(Report& report) {
   const FibreLaw law{3e5, 2e5, 0.3};
   for (const double share : {0.5, 0.25}) {
     const double start = seconds_now();
-    const ShellMaterial m = material(0.0);
+    const ShellMaterial m = sheet_material(0.0);
     const Quat askew(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
     Pile p({{make_shell("low", plate(0.5, 0.5, 12, 12, Vec3::Zero(), Quat::Identity()), 0.01, m, 2, 2, {}), law},
             {make_shell("high", plate(0.4, 0.4, 9, 9, Vec3(0.1, 0.05, 0.012), askew), 0.01, m, 2, 2, {}), law,
@@ -211,7 +212,7 @@ void bounded(Report& report) {
     std::vector<Layer> layers;
     for (int k = 0; k < 3; ++k)
       layers.push_back({make_shell("sheet", plate(0.4, 0.4, 10, 10, Vec3(0.003 * k, 0, 0.0101 * k), Quat::Identity()),
-                                   0.01, material(0.0), 2, 2, {}),
+                                   0.01, sheet_material(0.0), 2, 2, {}),
                         law, Vec3(0, 0, -1.0 * k)});
     Pile p(layers, 0.04);
     const double dt = share * p.stable(), stored = p.energy(dt);
@@ -240,7 +241,7 @@ std::vector<Case> fibre_cases() {
           {"parting", "drawn apart again: pull that holds it, and gap in thicknesses at which it is free",
            [](Report& r, int) { parting(r); }},
           {"fibre_collision", "free sheets with fibres that collide: momentum, angular momentum, energy with its book",
-           [](Report& r, int) { collision(r); }},
+           [](Report& r, int) { sheets_collide(r); }},
           {"fibre_step", "three sheets that collide at 0.98 of the stable step, and at 3 times it",
            [](Report& r, int) { bounded(r); }}};
 }

@@ -6,6 +6,7 @@
 
 #include "coupler/core/error.h"
 #include "shell/solver/forces.h"
+#include "tests/validation/ritz.h"
 
 namespace sunder::validation {
 
@@ -14,9 +15,9 @@ using namespace sunder::shell;
 namespace {
 
 // share of the smallest spacing: differences have an error of its square, and round-off over it
-constexpr double kStep = 1e-6;
+constexpr double kDifferenceStep = 1e-6;
 // with a subspace of twice the wanted size, each reduces the error to a quarter or less
-constexpr int kIterations = 40;
+constexpr int kPowerIterations = 40;
 
 struct Freedom {
   int shell, slot, axis;
@@ -55,7 +56,7 @@ Linear linear_response(Stitched& s, int modes) {
   const auto n = static_cast<Eigen::Index>(all.size());
   double spacing = 1e300;
   for (std::size_t k = 0; k < s.size(); ++k) spacing = std::min(spacing, s.model(k).spacing);
-  const double step = kStep * spacing;
+  const double step = kDifferenceStep * spacing;
   std::vector<std::vector<double>> still;  // forces at rest, before they are shared
   for (std::size_t k = 0; k < s.size(); ++k) {
     compute_forces(s.model(k), s.state(k), false, 0.0, 1);
@@ -108,11 +109,10 @@ Linear linear_response(Stitched& s, int modes) {
     x.data()[k] = static_cast<double>(random >> 33) / 0x1.0p31 - 0.5;
   }
   Eigen::VectorXd omega2;
-  for (int it = 0; it < kIterations && modes > 0; ++it) {
+  for (int it = 0; it < kPowerIterations && modes > 0; ++it) {
     const Eigen::MatrixXd y = factors.solve(mass.asDiagonal() * x);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> ritz(y.transpose() * (stiffness * y),
-                                                                         y.transpose() * (mass.asDiagonal() * y));
-    x = y * ritz.eigenvectors(), omega2 = ritz.eigenvalues();
+    const Eigenpairs ritz = ritz_pairs(y.transpose() * (stiffness * y), y.transpose() * (mass.asDiagonal() * y));
+    x = y * ritz.vectors, omega2 = ritz.values;
   }
   for (int k = 0; k < modes; ++k) out.frequencies.push_back(std::sqrt(omega2[k]));
   return out;

@@ -19,14 +19,14 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kCrease = 40.0 * kPi / 180.0;
-constexpr double kYoung = 2e11, kPoisson = 0.3, kDensity = 7800.0;
+using std::numbers::pi;
+constexpr double kCrease = 40.0 * pi / 180.0;
+constexpr double kMetalYoung = 2e11, kMetalPoisson = 0.3, kMetalDensity = 7800.0;
 constexpr int kFree = 6;  // rigid motions
 
-ShellMaterial steel() {
+ShellMaterial metal() {
   ShellMaterial m;
-  m.density = kDensity, m.youngs_modulus = kYoung, m.poisson_ratio = kPoisson;
+  m.density = kMetalDensity, m.youngs_modulus = kMetalYoung, m.poisson_ratio = kMetalPoisson;
   return m;
 }
 
@@ -46,7 +46,7 @@ Pieces pieces_of(const TriangleMesh& mesh, const MeshPatchRules& rules, double t
     }
     const TrimLoops trims = loops.empty() ? TrimLoops() : TrimLoops(low, high, std::move(loops));
     out.patches.push_back(lengths);
-    out.models.push_back(make_shell(fmt::format("part.{}", out.models.size() + 1), p.patch, thickness, steel(), 2,
+    out.models.push_back(make_shell(fmt::format("part.{}", out.models.size() + 1), p.patch, thickness, metal(), 2,
                                     p.patch.degree(), {}, {}, trims));
   }
   std::vector<KnownBorder> borders;
@@ -97,7 +97,7 @@ std::pair<int, Vec2> place_on(const Pieces& p, const Vec3& x) {
 }
 
 // Deflection of the middle against the corners, which bear a force on it.
-double deflection(TiedSystem& system, const Pieces& p, double held) {
+double held_deflection(TiedSystem& system, const Pieces& p, double held) {
   const std::vector<std::pair<Vec3, double>> forces{{{0.5, 0.5, 0.0}, 1.0},
                                                     {{0.0, 0.0, 0.0}, -0.25},
                                                     {{1.0, 0.0, 0.0}, -0.25},
@@ -128,20 +128,20 @@ void mesh_plate(Report& r, int threads, int divided) {
   const Pieces alike = pieces_of(mesh, rules, kThickness);
   for (std::size_t t = 0; t < mesh.triangles.size() && divided > 1; ++t) {
     const Vec3 x = mesh.middle(static_cast<int>(t));
-    const double u = x.x() + 0.06 * std::sin(2.0 * kPi * x.y()), v = x.y() + 0.06 * std::sin(2.0 * kPi * x.x());
+    const double u = x.x() + 0.06 * std::sin(2.0 * pi * x.y()), v = x.y() + 0.06 * std::sin(2.0 * pi * x.x());
     rules.parts.push_back((u > 0.52 ? 1 : 0) + (v > 0.47 ? 2 : 0));
   }
   const double start = seconds_now();
   const Pieces tied = pieces_of(mesh, rules, kThickness);
   rules.parts.clear(), rules.element *= 0.5;
   const Pieces one = pieces_of(mesh, rules, kThickness);
-  const double bending = kYoung * std::pow(kThickness, 3) / (12.0 * (1.0 - kPoisson * kPoisson));
-  const double slow = 100.0 * bending / (kDensity * kThickness);
+  const double bending = kMetalYoung * std::pow(kThickness, 3) / (12.0 * (1.0 - kMetalPoisson * kMetalPoisson));
+  const double slow = 100.0 * bending / (kMetalDensity * kThickness);
   add_charts(r, name, tied, divided * divided);
-  r.add(name + "_mass", mass_of(tied), kDensity * kThickness, 1e-6, 0.0);
+  r.add(name + "_mass", mass_of(tied), kMetalDensity * kThickness, 1e-6, 0.0);
   TiedSystem system(tied), whole(one);
-  r.add(name + "_deflection", deflection(system, tied, kHeld * slow), deflection(whole, one, kHeld * slow), 0.005,
-        seconds_now() - start);
+  r.add(name + "_deflection", held_deflection(system, tied, kHeld * slow), held_deflection(whole, one, kHeld * slow),
+        0.005, seconds_now() - start);
   add_frequencies(r, name, system, whole, 0.1 * slow, kFree);
   const double step = step_of(tied, threads) / step_of(alike, threads);
   r.add_step(name + "_step", step, 0.0, " of one chart's");
@@ -170,23 +170,23 @@ void mesh_tube(Report& r, int) {
   constexpr double kRadius = 0.2, kLength = 0.5, kThickness = 0.001;
   const TriangleMesh mesh =
       lattice(60, 24, true, [&](double u, double v) {
-        return Vec3(kRadius * std::cos(2.0 * kPi * u), kRadius * std::sin(2.0 * kPi * u), kLength * v);
+        return Vec3(kRadius * std::cos(2.0 * pi * u), kRadius * std::sin(2.0 * pi * u), kLength * v);
       }).mesh();
   const auto tube = [&](double element) { return pieces_of(mesh, {element, kCrease, 2, {}}, kThickness); };
   const Pieces tied = tube(0.02);
   add_charts(r, "mesh_tube", tied, 2);
-  r.add("mesh_tube_mass", mass_of(tied), kDensity * kThickness * 2.0 * kPi * kRadius * kLength, 1e-3, 0.0);
-  const double bending = kYoung * std::pow(kThickness, 3) / (12.0 * (1.0 - kPoisson * kPoisson));
+  r.add("mesh_tube_mass", mass_of(tied), kMetalDensity * kThickness * 2.0 * pi * kRadius * kLength, 1e-3, 0.0);
+  const double bending = kMetalYoung * std::pow(kThickness, 3) / (12.0 * (1.0 - kMetalPoisson * kMetalPoisson));
   const auto ring = [&](double n) {
-    return std::sqrt(bending / (kDensity * kThickness)) / (kRadius * kRadius) * n * (n * n - 1.0) /
-           std::sqrt(n * n + 1.0) / (2.0 * kPi);
+    return std::sqrt(bending / (kMetalDensity * kThickness)) / (kRadius * kRadius) * n * (n * n - 1.0) /
+           std::sqrt(n * n + 1.0) / (2.0 * pi);
   };
   const auto twisted = [&](double n) {
     const double l = std::pow(kRadius / kLength, 2);
     return ring(n) *
-           std::sqrt((1.0 + 24.0 * (1.0 - kPoisson) * l / (n * n)) / (1.0 + 12.0 * l / (n * n * (n * n + 1.0))));
+           std::sqrt((1.0 + 24.0 * (1.0 - kMetalPoisson) * l / (n * n)) / (1.0 + 12.0 * l / (n * n * (n * n + 1.0))));
   };
-  const double held = 0.1 * std::pow(2.0 * kPi * ring(2.0), 2);
+  const double held = 0.1 * std::pow(2.0 * pi * ring(2.0), 2);
   TiedSystem system(tied);
   add_exact(r, "mesh_tube", system, held, {ring(2.0), ring(2.0), twisted(2.0), twisted(2.0)});
   add_order(r, "mesh_tube", held, tube);
@@ -198,17 +198,17 @@ constexpr double kBall = 0.2, kBallThickness = 0.004;  // [m]
 // thousandth.
 double lamb() {
   constexpr double kTwice = 6.0;  // n (n + 1)
-  const double b = kTwice + 1.0 + 3.0 * kPoisson, c = (kTwice - 2.0) * (1.0 - kPoisson * kPoisson);
+  const double b = kTwice + 1.0 + 3.0 * kMetalPoisson, c = (kTwice - 2.0) * (1.0 - kMetalPoisson * kMetalPoisson);
   const double square = 0.5 * (b - std::sqrt(b * b - 4.0 * c));
-  return std::sqrt(square * kYoung / (kDensity * (1.0 - kPoisson * kPoisson))) / (2.0 * kPi * kBall);
+  return std::sqrt(square * kMetalYoung / (kMetalDensity * (1.0 - kMetalPoisson * kMetalPoisson))) / (2.0 * pi * kBall);
 }
 
 void add_ball(Report& r, const std::string& name, const TriangleMesh& mesh) {
   const auto sphere = [&](double element) { return pieces_of(mesh, {element, kCrease, 2, {}}, kBallThickness); };
   const Pieces tied = sphere(0.02);
   add_charts(r, name, tied, 2);
-  r.add(name + "_mass", mass_of(tied), kDensity * kBallThickness * 4.0 * kPi * kBall * kBall, 1e-3, 0.0);
-  const double held = 0.1 * std::pow(2.0 * kPi * lamb(), 2);
+  r.add(name + "_mass", mass_of(tied), kMetalDensity * kBallThickness * 4.0 * pi * kBall * kBall, 1e-3, 0.0);
+  const double held = 0.1 * std::pow(2.0 * pi * lamb(), 2);
   TiedSystem system(tied);
   add_exact(r, name, system, held, std::vector<double>(kTiedModes, lamb()));
   add_order(r, name, held, sphere);
@@ -229,7 +229,7 @@ Triangles cube_ball(double radius, int parts) {
         const auto [it, fresh] = known.try_emplace(place, static_cast<int>(out.points.size()));
         if (fresh) {
           Vec3 x;  // equal angles along the edges
-          for (int d = 0; d < 3; ++d) x[d] = std::tan(0.25 * kPi * place[d] / parts);
+          for (int d = 0; d < 3; ++d) x[d] = std::tan(0.25 * pi * place[d] / parts);
           out.points.push_back(radius * x.normalized());
         }
         return it->second;

@@ -4,8 +4,9 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include "coupler/core/dense.h"
 #include "shell/geometry/builders.h"
 #include "shell/io/fields.h"
 #include "shell/io/probes.h"
@@ -17,9 +18,9 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kRadius = 25.0, kLength = 50.0, kThickness = 0.25, kYoung = 4.32e8, kWeight = 90.0;
-constexpr double kHalfAngle = 40.0 * kPi / 180.0;
+using std::numbers::pi;
+constexpr double kRoofRadius = 25.0, kRoofLength = 50.0, kThin = 0.25, kRoofYoung = 4.32e8, kRoofWeight = 90.0;
+constexpr double kHalfAngle = 40.0 * pi / 180.0;
 constexpr double kShare = 1e-3;   // of the weight, for linear theory
 constexpr int kTerms = 100;       // of the series: odd numbers of half waves up to twice as many
 constexpr int kPolynomials = 22;  // for each displacement, along half the arc
@@ -42,10 +43,9 @@ std::array<Eigen::VectorXd, 3> legendre(int n, double t) {
 std::vector<std::pair<double, double>> gauss_rule(int n) {
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
   for (int k = 1; k < n; ++k) jacobi(k, k - 1) = jacobi(k - 1, k) = k / std::sqrt(4.0 * k * k - 1.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(jacobi);
+  const Eigenpairs pairs = eigenpairs(jacobi);
   std::vector<std::pair<double, double>> out;
-  for (int k = 0; k < n; ++k)
-    out.emplace_back(0.5 * (1.0 + solver.eigenvalues()[k]), std::pow(solver.eigenvectors()(0, k), 2));
+  for (int k = 0; k < n; ++k) out.emplace_back(0.5 * (1.0 + pairs.values[k]), std::pow(pairs.vectors(0, k), 2));
   return out;
 }
 
@@ -59,7 +59,7 @@ struct Forms {
 Forms forms(double a, double t) {
   const int n = kPolynomials;
   const auto p = legendre(2 * n - 1, t);
-  const double arc = kRadius * kHalfAngle;  // unit of t [m]
+  const double arc = kRoofRadius * kHalfAngle;  // unit of t [m]
   Eigen::VectorXd zero = Eigen::VectorXd::Zero(3 * n);
   Forms f{zero, zero, zero, zero, zero, zero, zero, zero};
   for (int k = 0; k < n; ++k) {
@@ -67,11 +67,11 @@ Forms forms(double a, double t) {
     const double odd = p[0][2 * k + 1], odd1 = p[1][2 * k + 1] / arc;
     const int u = k, v = n + k, w = 2 * n + k;
     f.along[u] = -a * even;
-    f.around[v] = odd1, f.around[w] = even / kRadius;
+    f.around[v] = odd1, f.around[w] = even / kRoofRadius;
     f.shear[u] = even1, f.shear[v] = a * odd;
     f.bend_along[w] = a * a * even;
-    f.bend_around[v] = odd1 / kRadius, f.bend_around[w] = -even2;
-    f.twist[u] = -0.5 * even1 / kRadius, f.twist[v] = 1.5 * a * odd / kRadius, f.twist[w] = -2.0 * a * even1;
+    f.bend_around[v] = odd1 / kRoofRadius, f.bend_around[w] = -even2;
+    f.twist[u] = -0.5 * even1 / kRoofRadius, f.twist[v] = 1.5 * a * odd / kRoofRadius, f.twist[w] = -2.0 * a * even1;
     f.v[v] = odd, f.w[w] = even;
   }
   return f;
@@ -83,12 +83,12 @@ struct Section {
 };
 
 std::vector<Section> by_theory(const std::vector<double>& angles) {
-  const double membrane = kYoung * kThickness, bending = kYoung * std::pow(kThickness, 3) / 12.0;  // nu = 0
+  const double membrane = kRoofYoung * kThin, bending = kRoofYoung * std::pow(kThin, 3) / 12.0;  // nu = 0
   std::vector<Section> out(angles.size());
   const auto rule = gauss_rule(kPoints);
   for (int term = 0; term < kTerms; ++term) {
     const int m = 2 * term + 1;
-    const double a = m * kPi / kLength, amplitude = kWeight * 4.0 / (m * kPi);
+    const double a = m * pi / kRoofLength, amplitude = kRoofWeight * 4.0 / (m * pi);
     Eigen::MatrixXd k = Eigen::MatrixXd::Zero(3 * kPolynomials, 3 * kPolynomials);
     Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * kPolynomials);
     for (const auto& [t, weight] : rule) {
@@ -102,7 +102,7 @@ std::vector<Section> by_theory(const std::vector<double>& angles) {
     }
     const Eigen::VectorXd scale = k.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * k * scale.asDiagonal();
-    const Eigen::VectorXd x = scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(load)));
+    const Eigen::VectorXd x = scale.cwiseProduct(solved(scaled, scale.cwiseProduct(load)).col(0));
     const double middle = term % 2 ? -1.0 : 1.0;  // sin(m pi / 2)
     for (std::size_t i = 0; i < angles.size(); ++i) {
       const Forms f = forms(a, angles[i] / kHalfAngle);
@@ -116,7 +116,7 @@ std::vector<Section> by_theory(const std::vector<double>& angles) {
 
 // Fields of a quarter of the roof, cubic, at the same places.
 std::vector<Section> by_frame(const std::vector<double>& angles, int elements, int threads) {
-  Patch p = cylinder(kRadius, 0.5 * kLength, kHalfAngle, elements, elements, 3);
+  Patch p = cylinder(kRoofRadius, 0.5 * kRoofLength, kHalfAngle, elements, elements, 3);
   p = placed(p, Vec3::Zero(), Quat(Eigen::AngleAxisd(0.5 * kHalfAngle, Vec3::UnitZ())));
   for (Vec3& x : p.control_points) x = Vec3(x.y(), x.z(), x.x());  // x along the arc, y along the axis, z up
   const auto symmetry = [](int edge, int axis) {
@@ -127,12 +127,12 @@ std::vector<Section> by_frame(const std::vector<double>& angles, int elements, i
   Support diaphragm;
   diaphragm.edges = kVMax, diaphragm.clamped = false, diaphragm.axes = {true, false, true};
   ShellMaterial material;
-  material.density = 1.0, material.youngs_modulus = kYoung, material.poisson_ratio = 0.0;
+  material.density = 1.0, material.youngs_modulus = kRoofYoung, material.poisson_ratio = 0.0;
   const ShellModel m =
-      make_shell("roof", p, kThickness, material, 2, 4, {symmetry(kUMin, 0), symmetry(kVMin, 1), diaphragm});
+      make_shell("roof", p, kThin, material, 2, 4, {symmetry(kUMin, 0), symmetry(kVMin, 1), diaphragm});
   ShellState s = make_state(m, Vec3::Zero(), 0);
   RelaxationRules rules;
-  rules.threads = threads, rules.tolerance = 1e-9, rules.gravity = Vec3(0, 0, -kWeight / kThickness * kShare);
+  rules.threads = threads, rules.tolerance = 1e-9, rules.gravity = Vec3(0, 0, -kRoofWeight / kThin * kShare);
   relax(m, s, rules);
   FieldSet wanted;
   wanted.add(FieldSet::kMembraneForce), wanted.add(FieldSet::kBendingMoment);
@@ -171,7 +171,7 @@ std::vector<Section> by_frame(const std::vector<double>& angles, int elements, i
 // Both are theories of thin shells; they differ by the share h/R, 1 %, of what bends and stretches together, which is
 // little here. 0.3006 m is the published limit of Kirchhoff-Love theory.
 void roof_moment_case(Report& r, int threads) {
-  const double degree = kPi / 180.0;
+  const double degree = pi / 180.0;
   const std::vector<double> degrees{0.0, 10.0, 20.0, 30.0, 39.9999};
   std::vector<double> angles;
   for (const double d : degrees) angles.push_back(d * degree);

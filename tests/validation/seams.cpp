@@ -4,8 +4,9 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
+#include "coupler/core/dense.h"
 #include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
 #include "tests/validation/cases.h"
@@ -16,15 +17,15 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kYoung = 2e11, kThickness = 0.01;
-constexpr int kModes = 4;
+using std::numbers::pi;
+constexpr double kSeamYoung = 2e11, kSeamThickness = 0.01;
+constexpr int kSeamModes = 4;
 constexpr double kDamping = 0.6;  // share of critical damping, for frames that come to rest
 constexpr double kSwings = 4.0;   // periods until they are at rest
 
-ShellMaterial steel(double poisson = 0.3) {
+ShellMaterial seam_steel(double poisson = 0.3) {
   ShellMaterial m;
-  m.density = 7800, m.youngs_modulus = kYoung, m.poisson_ratio = poisson;
+  m.density = 7800, m.youngs_modulus = kSeamYoung, m.poisson_ratio = poisson;
   return m;
 }
 
@@ -39,13 +40,13 @@ struct Division {
 
 // A surface over the shares 0 to 1 of two lengths. `piece` makes the part from (u0, v0) to (u1, v1) in nu x nv
 // elements.
-struct Surface {
+struct Shape {
   std::string name;
   int elements_u, elements_v;
   std::function<Patch(double u0, double u1, double v0, double v1, int nu, int nv)> piece;
 };
 
-Surface flat_surface() {
+Shape flat_surface() {
   return {"plate", 24, 24, [](double u0, double u1, double v0, double v1, int nu, int nv) {
             return plate(u1 - u0, 0.7 * (v1 - v0), nu, nv, Vec3(0.5 * (u0 + u1), 0.35 * (v0 + v1), 0.0),
                          Quat::Identity());
@@ -69,7 +70,7 @@ Patch part_of(const Patch& whole, double u0, double u1, double v0, double v1, in
       const Basis b = k.basis(span, k.greville(i));
       for (int d = 0; d <= 2; ++d) a(i, span + d) = b.value[d];
     }
-    return Eigen::MatrixXd(a.inverse());
+    return solved(a, Eigen::MatrixXd::Identity(a.rows(), a.rows()));
   };
   const Eigen::MatrixXd along_u = collocation(p.knots_u), along_v = collocation(p.knots_v);
   std::vector<Eigen::MatrixXd> homogeneous(4, Eigen::MatrixXd(p.columns(), p.rows()));
@@ -93,9 +94,9 @@ Patch part_of(const Patch& whole, double u0, double u1, double v0, double v1, in
 }
 
 // 120 degrees of a cylinder of 1 m. Its parts keep its parametrisation, since others would change the elements.
-Surface curved_surface() {
+Shape curved_surface() {
   return {"cylinder", 36, 24, [](double u0, double u1, double v0, double v1, int nu, int nv) {
-            return part_of(with_parameters_as_lengths(cylinder(1.0, 1.5, 2.0 * kPi / 3.0, 1, 1)), u0, u1, v0, v1, nu,
+            return part_of(with_parameters_as_lengths(cylinder(1.0, 1.5, 2.0 * pi / 3.0, 1, 1)), u0, u1, v0, v1, nu,
                            nv);
           }};
 }
@@ -111,7 +112,7 @@ constexpr double kProbeU = 0.4, kProbeV = 0.3;
 
 std::string place_name(int i, int j) { return fmt::format("p{}_{}", i, j); }
 
-Divided divide(const Surface& whole, const Division& d) {
+Divided divide(const Shape& whole, const Division& d) {
   std::vector<ShellModel> models;
   int shell = 0;
   Vec2 at = Vec2::Zero();
@@ -139,7 +140,7 @@ Divided divide(const Surface& whole, const Division& d) {
       p = turned(p, times);
       Load pressure;
       pressure.kind = Load::Kind::kPressure, pressure.size = 1000.0;
-      models.push_back(make_shell(place_name(i, j), p, kThickness, steel(), 2, 2,
+      models.push_back(make_shell(place_name(i, j), p, kSeamThickness, seam_steel(), 2, 2,
                                   hold.edges ? std::vector<Support>{hold} : std::vector<Support>{}, {pressure}));
       if (here) {
         shell = static_cast<int>(models.size()) - 1;
@@ -163,7 +164,7 @@ double probe(const Divided& d, const Displacement& u) {
 }
 
 // Returns the motion of the probe along the normal [m] in `steps` steps from rest under the load.
-std::vector<double> swing(Divided& d, double dt, int steps) {
+std::vector<double> swing_of(Divided& d, double dt, int steps) {
   std::vector<double> out;
   const SurfacePoint x = d.shells.model(d.shell).patch.evaluate(d.at);
   const Vec3 normal = x.u.cross(x.v).normalized();
@@ -174,7 +175,7 @@ std::vector<double> swing(Divided& d, double dt, int steps) {
   return out;
 }
 
-void surface_case(Report& r, const Surface& whole) {
+void surface_case(Report& r, const Shape& whole) {
   const auto differ = [](int most) {
     return [most](int i, int j) { return std::pair{(i + 2 * j) % (most + 1), (2 * i + j + 1) % (most + 1)}; };
   };
@@ -194,12 +195,12 @@ void surface_case(Report& r, const Surface& whole) {
                                         {"12", 4, 3},
                                         {"12_other_knots", 4, 3, differ(2)}};
   Divided single = divide(whole, {"1", 1, 1});
-  const Linear exact = linear_response(single.shells, kModes);
+  const Linear exact = linear_response(single.shells, kSeamModes);
   const double u_single = probe(single, exact.under_load), step_single = single.shells.stable();
   const double dt = 0.5 * step_single;
   // One swing up and down in the lowest mode.
-  const int steps = static_cast<int>(2.0 * kPi / exact.frequencies[0] / dt);
-  const std::vector<double> swing_single = swing(single, dt, steps);
+  const int steps = static_cast<int>(2.0 * pi / exact.frequencies[0] / dt);
+  const std::vector<double> swing_single = swing_of(single, dt, steps);
   const auto largest = [](const std::vector<double>& v) {
     double most = 0.0;
     for (const double x : v) most = std::max(most, std::abs(x));
@@ -216,13 +217,13 @@ void surface_case(Report& r, const Surface& whole) {
                                            int(std::lround(1.0 / d.finest_v)) - whole.elements_v};
                         }};
     const double reference = divide(whole, fine).shells.stable();
-    const Linear found = linear_response(d.shells, kModes);
+    const Linear found = linear_response(d.shells, kSeamModes);
     r.add(name + "_displacement", probe(d, found.under_load), u_single, 0.005, seconds_now() - start);
-    for (int k = 0; k < kModes; ++k)
+    for (int k = 0; k < kSeamModes; ++k)
       r.add(fmt::format("{}_frequency_{}", name, k + 1), found.frequencies[k], exact.frequencies[k], 0.005, 0.0);
     r.add(name + "_stable_step", step, reference, 0.1, 0.0);
     const double middle = seconds_now();
-    const std::vector<double> moved = swing(d, dt, steps);
+    const std::vector<double> moved = swing_of(d, dt, steps);
     std::vector<double> off(moved.size());
     for (std::size_t k = 0; k < moved.size(); ++k) off[k] = moved[k] - swing_single[k];
     r.add(name + "_swing", largest(off) / largest(swing_single), 0.0, 0.005, seconds_now() - middle);
@@ -230,18 +231,18 @@ void surface_case(Report& r, const Surface& whole) {
   r.lines.push_back(
       fmt::format("{}: {} x {} elements, displacement {:.4e} m, frequencies {:.1f} {:.1f} {:.1f} {:.1f} "
                   "Hz, stable step {:.3e} s; swing: largest difference over {} substeps",
-                  whole.name, whole.elements_u, whole.elements_v, u_single, exact.frequencies[0] / (2 * kPi),
-                  exact.frequencies[1] / (2 * kPi), exact.frequencies[2] / (2 * kPi), exact.frequencies[3] / (2 * kPi),
+                  whole.name, whole.elements_u, whole.elements_v, u_single, exact.frequencies[0] / (2 * pi),
+                  exact.frequencies[1] / (2 * pi), exact.frequencies[2] / (2 * pi), exact.frequencies[3] / (2 * pi),
                   step_single, steps));
 }
 
 // A strip of width kWidth from a to b in the plane across y, with `elements` along it. Its normal is (b - a) x y.
-constexpr double kWidth = 0.1;
+constexpr double kSeamWidth = 0.1;
 Patch strip(const Vec3& a, const Vec3& b, int elements, int across) {
   const Vec3 along = (b - a).normalized(), y = Vec3::UnitY();
   Mat3 axes;
   axes << along, y, along.cross(y);
-  return plate((b - a).norm(), kWidth, elements, across, 0.5 * (a + b), Quat(axes));
+  return plate((b - a).norm(), kSeamWidth, elements, across, 0.5 * (a + b), Quat(axes));
 }
 
 // Returns the final place of the middle of an edge under the loads: the mean over one slowly damped swing.
@@ -266,10 +267,10 @@ Vec3 settled(Stitched& s, int shell, int edge, double period) {
 // beam that is pushed sideways. Poisson's ratio is zero, so strips are beams. Loads are small, so geometry is linear.
 void frame_case(Report& r, int) {
   constexpr double kForce = 0.1, kHeight = 0.3, kArm = 0.4;
-  const double bending = kYoung * kWidth * std::pow(kThickness, 3) / 12.0;
+  const double bending = kSeamYoung * kSeamWidth * std::pow(kSeamThickness, 3) / 12.0;
   const auto end_load = [](int edge, const Vec3& force) {
     Load l;
-    l.kind = Load::Kind::kEdgeForce, l.edges = edge, l.force = force / kWidth;
+    l.kind = Load::Kind::kEdgeForce, l.edges = edge, l.force = force / kSeamWidth;
     return l;
   };
   const auto edge_support = [](int edge) {
@@ -278,12 +279,12 @@ void frame_case(Report& r, int) {
     return s;
   };
   const auto damped = [](double frequency) {
-    ShellMaterial m = steel(0.0);
+    ShellMaterial m = seam_steel(0.0);
     m.mass_damping = 2.0 * kDamping * frequency;
     return m;
   };
   // Lowest frequency [rad/s] from the static deflection under the own mass, exact enough for damping.
-  const double area_mass = 7800.0 * kThickness * kWidth;
+  const double area_mass = 7800.0 * kSeamThickness * kSeamWidth;
   const auto lowest = [&](double deflection) {
     return std::sqrt(kForce / deflection / (0.5 * area_mass * (kHeight + kArm)));
   };
@@ -295,20 +296,21 @@ void frame_case(Report& r, int) {
       const double omega = lowest(-exact);
       std::vector<ShellModel> models;
       models.push_back(
-          make_shell("column", strip(base, corner, n, 3), kThickness, damped(omega), 2, 2, {edge_support(kUMin)}));
-      models.push_back(make_shell("arm", strip(corner, tip, n, other_knots ? 4 : 3), kThickness, damped(omega), 2, 2,
-                                  {}, {end_load(kUMax, {0, 0, -kForce})}));
+          make_shell("column", strip(base, corner, n, 3), kSeamThickness, damped(omega), 2, 2, {edge_support(kUMin)}));
+      models.push_back(make_shell("arm", strip(corner, tip, n, other_knots ? 4 : 3), kSeamThickness, damped(omega), 2,
+                                  2, {}, {end_load(kUMax, {0, 0, -kForce})}));
       Stitched s(std::move(models));
-      const double found = settled(s, 1, kUMax, 2.0 * kPi / omega).z();
+      const double found = settled(s, 1, kUMax, 2.0 * pi / omega).z();
       // A crease transmits a moment as two forces half an element apart. The elements beside it deform more, by a
       // factor of (thickness / element)^2 of their bending. Elements shorter than the thickness are outside of
       // thin-shell theory.
-      if (kHeight / n > 1.5 * kThickness)
+      if (kHeight / n > 1.5 * kSeamThickness)
         r.add(fmt::format("l_frame_{}{}", n, other_knots ? "_other_knots" : ""), found, exact, 0.01,
               seconds_now() - start);
       else
-        r.lines.push_back(fmt::format("frames: elements of {:.2f} thicknesses{}: {:+.2f} %", kHeight / n / kThickness,
-                                      other_knots ? ", other knots" : "", 100.0 * (found / exact - 1.0)));
+        r.lines.push_back(fmt::format("frames: elements of {:.2f} thicknesses{}: {:+.2f} %",
+                                      kHeight / n / kSeamThickness, other_knots ? ", other knots" : "",
+                                      100.0 * (found / exact - 1.0)));
     }
   for (const Join join : {Join::kClamped, Join::kHinge}) {
     const double start = seconds_now();
@@ -317,13 +319,13 @@ void frame_case(Report& r, int) {
     const double omega = lowest(exact);
     std::vector<ShellModel> models;
     models.push_back(
-        make_shell("left", strip(base, corner, 12, 3), kThickness, damped(omega), 2, 2, {edge_support(kUMin)}));
-    models.push_back(make_shell("beam", strip(corner, tip, 16, 3), kThickness, damped(omega), 2, 2, {},
+        make_shell("left", strip(base, corner, 12, 3), kSeamThickness, damped(omega), 2, 2, {edge_support(kUMin)}));
+    models.push_back(make_shell("beam", strip(corner, tip, 16, 3), kSeamThickness, damped(omega), 2, 2, {},
                                 {end_load(kUMin, {kForce, 0, 0})}));
     models.push_back(
-        make_shell("right", strip(tip, far, 12, 3), kThickness, damped(omega), 2, 2, {edge_support(kUMax)}));
+        make_shell("right", strip(tip, far, 12, 3), kSeamThickness, damped(omega), 2, 2, {edge_support(kUMax)}));
     Stitched s(std::move(models), join);
-    r.add(join == Join::kHinge ? "portal_hinged" : "portal_clamped", settled(s, 1, kUMin, 2.0 * kPi / omega).x(), exact,
+    r.add(join == Join::kHinge ? "portal_hinged" : "portal_clamped", settled(s, 1, kUMin, 2.0 * pi / omega).x(), exact,
           0.01, seconds_now() - start);
   }
 }
@@ -331,10 +333,10 @@ void frame_case(Report& r, int) {
 std::vector<ShellModel> tube() {
   std::vector<ShellModel> models;
   for (int k = 0; k < 3; ++k) {
-    const Quat turn(Eigen::AngleAxisd(2.0 * kPi / 3.0 * k, Vec3::UnitZ()));
+    const Quat turn(Eigen::AngleAxisd(2.0 * pi / 3.0 * k, Vec3::UnitZ()));
     const Patch p =
-        with_parameters_as_lengths(placed(cylinder(0.3, 0.5, 2.0 * kPi / 3.0, 8 + 2 * k, 7 + k), Vec3::Zero(), turn));
-    models.push_back(make_shell(fmt::format("sector{}", k), turned(p, k), kThickness, steel(), 2, 2, {}));
+        with_parameters_as_lengths(placed(cylinder(0.3, 0.5, 2.0 * pi / 3.0, 8 + 2 * k, 7 + k), Vec3::Zero(), turn));
+    models.push_back(make_shell(fmt::format("sector{}", k), turned(p, k), kSeamThickness, seam_steel(), 2, 2, {}));
   }
   return models;
 }
@@ -347,8 +349,8 @@ std::vector<ShellModel> box() {
       axes.col(2) = side * Vec3::Unit(axis), axes.col(0) = Vec3::Unit((axis + 1) % 3);
       axes.col(1) = axes.col(2).cross(axes.col(0));
       models.push_back(make_shell(fmt::format("face{}", k),
-                                  plate(0.4, 0.4, 5 + k % 3, 5 + k % 2, 0.2 * axes.col(2), Quat(axes)), kThickness,
-                                  steel(), 2, 2, {}));
+                                  plate(0.4, 0.4, 5 + k % 3, 5 + k % 2, 0.2 * axes.col(2), Quat(axes)), kSeamThickness,
+                                  seam_steel(), 2, 2, {}));
       ++k;
     }
   return models;
@@ -370,7 +372,7 @@ void motion_case(Report& r, int) {
       for (const double m : s.model(k).mass) volume += m / s.model(k).material.density;
     }
     // Relative to the energy of a strain of 1.
-    r.add(name + "_turned_energy", s.forces(true) / (kYoung * volume), 0.0, 1e-12, seconds_now() - start);
+    r.add(name + "_turned_energy", s.forces(true) / (kSeamYoung * volume), 0.0, 1e-12, seconds_now() - start);
     start = seconds_now();
     Stitched f(round ? tube() : box());
     for (std::size_t k = 0; k < f.size(); ++k)

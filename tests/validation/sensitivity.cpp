@@ -66,7 +66,7 @@ fracture {{ mode: DAMAGE seed: {0} }}
 )",
                            4e-3};
 
-Outcome run(const Scene& scene, const CalibratedConstants& c, int seed, int threads) {
+Outcome run_once(const Scene& scene, const CalibratedConstants& c, int seed, int threads) {
   const TemporaryFolder folder;
   const std::string file = folder.path + "/scene.textproto";
   std::ofstream(file) << fmt::format(fmt::runtime(scene.text), seed, c.flaw_spacing);
@@ -105,10 +105,10 @@ Outcome run(const Scene& scene, const CalibratedConstants& c, int seed, int thre
 }
 
 // Mean over the seeds.
-Outcome mean(const Scene& scene, const CalibratedConstants& c, int threads) {
+Outcome mean_outcome(const Scene& scene, const CalibratedConstants& c, int threads) {
   Outcome sum;
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    const Outcome one = run(scene, c, seed, threads);
+    const Outcome one = run_once(scene, c, seed, threads);
     sum.length += one.length / kSeeds, sum.pieces += one.pieces / kSeeds;
     sum.dissipated += one.dissipated / kSeeds, sum.speed += one.speed / kSeeds;
   }
@@ -154,7 +154,7 @@ void add_turn(Report& r, const Studied& s, const std::string& name, const Calibr
 }
 
 void sensitivity(Report& r, int threads) {
-  const Outcome pane = mean(kStruckPane, {}, threads), sheet = mean(kTornSheet, {}, threads);
+  const Outcome pane = mean_outcome(kStruckPane, {}, threads), sheet = mean_outcome(kTornSheet, {}, threads);
   for (const Studied& s : kStudied)
     for (const double sign : {-1.0, 1.0}) {
       CalibratedConstants c;
@@ -166,7 +166,7 @@ void sensitivity(Report& r, int threads) {
       }
       const double start = seconds_now();
       const Outcome& usual = s.on == struck_pane ? pane : sheet;
-      const Outcome now = mean(s.on == struck_pane ? kStruckPane : kTornSheet, c, threads);
+      const Outcome now = mean_outcome(s.on == struck_pane ? kStruckPane : kTornSheet, c, threads);
       r.add(name + "_length", now.length, usual.length, kMost, seconds_now() - start);
       r.add(name + "_pieces", now.pieces, usual.pieces, kMostPieces, 0.0);
       r.add(name + "_dissipated", now.dissipated, usual.dissipated, kMost, 0.0);

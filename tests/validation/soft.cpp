@@ -107,7 +107,7 @@ void stand(Report& report) {
 }
 
 // Two blocks collide off their centres; momentum and angular momentum must be conserved.
-void collision(Report& report) {
+void soft_collision(Report& report) {
   const double start = seconds_now();
   SoftSetup low = block({0.04, 0.04, 0.02}, at({0, 0, 0}), 0.01, {0.3, 0, 1}, {0, 3, 0});
   SoftSetup high = block({0.03, 0.03, 0.03}, at({0.02, 0.01, 0.052}), 0.0075, {0, 0, -2}, {5, 0, 0});
@@ -149,7 +149,7 @@ std::vector<Case> soft_cases() {
       {"bounce", "a bar against a wall: speed after over speed before, momentum, energy with its book", plain(bounce)},
       {"drop", "a ball falls on the floor: energy with its book, height of what is left of it", plain(drop)},
       {"sag", "a block under its weight: its middle over rho g h^2 / 3E", plain(stand)},
-      {"collision", "two blocks: momentum, angular momentum, energy with its book", plain(collision)},
+      {"collision", "two blocks: momentum, angular momentum, energy with its book", plain(soft_collision)},
       {"spin", "a spinning block: angular momentum, energy with its book", plain(spin)}};
 }
 

@@ -15,11 +15,11 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 // share of the load, for references of linear theory: at a tenth the roof is 2 % stiffer
 constexpr double kSmall = 1e-3;
 
-ShellMaterial material(double young, double poisson) {
+ShellMaterial elastic_material(double young, double poisson) {
   ShellMaterial m;
   m.density = 1.0, m.youngs_modulus = young, m.poisson_ratio = poisson;
   return m;
@@ -38,13 +38,13 @@ Support held(int edges, std::array<bool, 3> axes) {
 
 // A quarter of the roof: weight 90 per area on a cylinder about y, with a rigid diaphragm at its end.
 double scordelis_lo(int elements, int threads, Report& r, int degree = 2) {
-  const double angle = 40.0 * kPi / 180.0;
+  const double angle = 40.0 * pi / 180.0;
   Patch p = cylinder(25.0, 25.0, angle, elements, elements, degree);
   // cylinder() has its axis along z and its middle above x. It is turned so that u = 0 is the crown, above the y axis.
   p = placed(p, Vec3::Zero(), Quat(Eigen::AngleAxisd(0.5 * angle, Vec3::UnitZ())));
   for (Vec3& x : p.control_points) x = Vec3(x.y(), x.z(), x.x());
   // x is along the arc from the crown, y along the axis from the middle, z up.
-  const ShellModel m = make_shell("roof", p, 0.25, material(4.32e8, 0.0), 2, 3,
+  const ShellModel m = make_shell("roof", p, 0.25, elastic_material(4.32e8, 0.0), 2, 3,
                                   {symmetry(kUMin, 0), symmetry(kVMin, 1), held(kVMax, {true, false, true})});
   ShellState s = make_state(m, Vec3::Zero(), 0);
   RelaxationRules rules;
@@ -58,14 +58,14 @@ double scordelis_lo(int elements, int threads, Report& r, int degree = 2) {
 
 // A quarter of the hemisphere without a hole: opposite forces of 2 along x and y at the equator.
 double hemisphere(int elements, int threads, Report& r) {
-  const Patch p = sphere(10.0, 0.5 * kPi, 0.0, 0.5 * kPi, elements, elements);
+  const Patch p = sphere(10.0, 0.5 * pi, 0.0, 0.5 * pi, elements, elements);
   const Patch scaled = with_parameters_as_lengths(p);
   Load along_x, along_y;
   constexpr double kShare = 1e-2;  // round-off at the pole exceeds the effect of a smaller load
   along_x.point = {scaled.knots_u.begin(), scaled.knots_v.begin()}, along_x.force = Vec3(kShare, 0, 0);
   along_y.point = {scaled.knots_u.end(), scaled.knots_v.begin()}, along_y.force = Vec3(0, -kShare, 0);
   const ShellModel m =
-      make_shell("hemisphere", p, 0.04, material(6.825e7, 0.3), 2, 3,
+      make_shell("hemisphere", p, 0.04, elastic_material(6.825e7, 0.3), 2, 3,
                  {symmetry(kUMin, 1), symmetry(kUMax, 0), held(kVMax, {true, true, true})}, {along_x, along_y});
   ShellState s = make_state(m, Vec3::Zero(), 0);
   RelaxationRules rules;
@@ -84,7 +84,7 @@ void cantilever(double length, const Load& load, int elements, int steps, int th
   Support clamp;
   clamp.edges = kUMin;
   const ShellModel m = make_shell(name, plate(length, 1.0, elements, 1, Vec3::Zero(), Quat::Identity(), degree), 0.1,
-                                  material(1.2e6, 0.0), 2, 3, {clamp}, {load});
+                                  elastic_material(1.2e6, 0.0), 2, 3, {clamp}, {load});
   ShellState s = make_state(m, Vec3::Zero(), 0);
   RelaxationRules rules;
   rules.threads = threads;
@@ -123,12 +123,12 @@ void cubic_end_shear_case(Report& r, int threads) { end_shear(16, 3, "cubic_end_
 void end_moment_case(Report& r, int threads) {
   constexpr double kLength = 12.0;
   Load moment;
-  moment.kind = Load::Kind::kEdgeMoment, moment.edges = kUMax, moment.size = 50.0 * kPi / 3.0;
+  moment.kind = Load::Kind::kEdgeMoment, moment.edges = kUMax, moment.size = 50.0 * pi / 3.0;
   moment.in_time = {{0, 0}, {1, 1}};
   int k = 0;
   cantilever(kLength, moment, 48, 40, threads, r, "end_moment", [&](double t, const Vec3& d, double seconds) {
     if (++k % 10) return;
-    const double a = 2.0 * kPi * t;
+    const double a = 2.0 * pi * t;
     const double u = kLength * (1.0 - std::sin(a) / a), w = kLength * (1.0 - std::cos(a)) / a;
     // Relative to the length; w = 0 where the strip is a closed circle.
     r.add(fmt::format("end_moment_u_{:.2f}", t), 1.0 - (-d.x() - u) / kLength, 1.0, 0.01, seconds);

@@ -24,19 +24,20 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kYoung = 2e11, kPoisson = 0.3, kThickness = 0.004, kDensity = 7800.0;
-constexpr double kStiffness = kYoung * kThickness * kThickness * kThickness / (12.0 * (1.0 - kPoisson * kPoisson));
-constexpr double kSize = 1.0;      // side of a square plate, diameter of a disc [m]
-constexpr double kPatch = 1.625;   // side of the patch that loops cut [m]
-constexpr int kElements = 24;      // of the plate's side
-constexpr int kRingElements = 32;  // of the ring's diameter: thirteen across its hole, about which moments concentrate
-constexpr int kModes = 4;
+using std::numbers::pi;
+constexpr double kPlateYoung = 2e11, kPlatePoisson = 0.3, kPlateThickness = 0.004, kPlateDensity = 7800.0;
+constexpr double kStiffness =
+    kPlateYoung * kPlateThickness * kPlateThickness * kPlateThickness / (12.0 * (1.0 - kPlatePoisson * kPlatePoisson));
+constexpr double kPlateSize = 1.0;  // side of a square plate, diameter of a disc [m]
+constexpr double kPatch = 1.625;    // side of the patch that loops cut [m]
+constexpr int kPlateElements = 24;  // of the plate's side
+constexpr int kRingElements = 32;   // of the ring's diameter: thirteen across its hole, about which moments concentrate
+constexpr int kPlateModes = 4;
 constexpr int kCorners = 64;  // of a disc; its edges are about as long as cuts have them
 
-ShellMaterial steel() {
+ShellMaterial plate_steel() {
   ShellMaterial m;
-  m.density = kDensity, m.youngs_modulus = kYoung, m.poisson_ratio = kPoisson;
+  m.density = kPlateDensity, m.youngs_modulus = kPlateYoung, m.poisson_ratio = kPlatePoisson;
   return m;
 }
 
@@ -47,10 +48,10 @@ Ring closed(Ring ring) {
   return ring;
 }
 
-Ring square(const Vec2& centre, double size, double angle) {
+Ring square_ring(const Vec2& centre, double size, double angle) {
   Ring out;
   for (int k = 0; k < 4; ++k) {
-    const double at = angle + kPi * (0.25 + 0.5 * k);
+    const double at = angle + pi * (0.25 + 0.5 * k);
     out.push_back(centre + size / std::numbers::sqrt2 * Vec2(std::cos(at), std::sin(at)));
   }
   return out;
@@ -58,10 +59,10 @@ Ring square(const Vec2& centre, double size, double angle) {
 
 // A polygon with the area of the circle.
 Ring circle(const Vec2& centre, double radius, int corners, double angle) {
-  const double grown = radius * std::sqrt(2.0 * kPi / corners / std::sin(2.0 * kPi / corners));
+  const double grown = radius * std::sqrt(2.0 * pi / corners / std::sin(2.0 * pi / corners));
   Ring out;
   for (int k = 0; k < corners; ++k) {
-    const double at = angle + 2.0 * kPi * k / corners;
+    const double at = angle + 2.0 * pi * k / corners;
     out.push_back(centre + grown * Vec2(std::cos(at), std::sin(at)));
   }
   return out;
@@ -72,11 +73,11 @@ ShellModel trimmed(double side, int elements, const std::vector<TrimLoop>& loops
                    int degree = 2) {
   const Patch patch =
       plate(side, side, elements, elements, Vec3(0.5 * side, 0.5 * side, 0.0), Quat::Identity(), degree);
-  return make_shell("plate", patch, kThickness, steel(), 2, degree, {}, loads,
+  return make_shell("plate", patch, kPlateThickness, plate_steel(), 2, degree, {}, loads,
                     loops.empty() ? TrimLoops() : TrimLoops(Vec2::Zero(), Vec2::Constant(side), loops));
 }
 
-Load point_load(const Vec2& at, double force) {
+Load plate_load(const Vec2& at, double force) {
   Load l;
   l.point = at, l.force = Vec3(0.0, 0.0, force);
   return l;
@@ -91,20 +92,21 @@ Load pressure(double size) {
 std::vector<double> frequencies(const ShellModel& m) {
   ShellState s = make_state(m, Vec3::Zero(), 0);
   std::vector<double> out;
-  for (const Mode& mode : vibration_modes(m, s, kModes, [&] { compute_forces(m, s, false, 0.0, 1); }).modes)
+  for (const Mode& mode : vibration_modes(m, s, kPlateModes, [&] { compute_forces(m, s, false, 0.0, 1); }).modes)
     out.push_back(mode.frequency);
   return out;
 }
 
 // Small displacements under loads in balance. A little stiffness in proportion to the mass holds rigid motions.
-std::vector<double> deflection(const ShellModel& m) {
+std::vector<double> deflections(const ShellModel& m) {
   ShellState s = make_state(m, Vec3::Zero(), 0);
   const auto forces = [&] { compute_forces(m, s, false, 0.0, 1); };
   const FreeDegrees free = free_degrees(m, s);
   Eigen::SparseMatrix<double> k = tangent_stiffness(m, s, free, Differences::kFourthOrder, forces);
   k = (0.5 * (k + Eigen::SparseMatrix<double>(k.transpose()))).eval();
   constexpr double kHeld = 1e-4;  // of the lowest eigenvalue
-  const double slowest = kHeld * std::pow(10.0 / (kSize * kSize), 2) * kStiffness / (kDensity * kThickness);
+  const double slowest =
+      kHeld * std::pow(10.0 / (kPlateSize * kPlateSize), 2) * kStiffness / (kPlateDensity * kPlateThickness);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(free.count);
   for (std::size_t i = 0; i < free.number.size(); ++i)
     if (const int n = free.number[i]; n >= 0)
@@ -131,7 +133,7 @@ double mean_height(const ShellModel& m, const std::vector<double>& u, const Ring
   return sum;
 }
 
-int patch_elements(int of_plate) { return static_cast<int>(std::round(kPatch / kSize * of_plate)); }
+int patch_elements(int of_plate) { return static_cast<int>(std::round(kPatch / kPlateSize * of_plate)); }
 
 // Deflection of the centre below the corners under a force on it that the corners bear, and of pure twist by forces of
 // changing sign on the corners.
@@ -143,13 +145,13 @@ struct Plate {
 Plate plate_results(const std::function<ShellModel(const std::vector<Load>&)>& make, const Vec2& centre,
                     const Ring& corners) {
   Plate out;
-  std::vector<Load> bend{point_load(centre, 1.0)}, twist;
+  std::vector<Load> bend{plate_load(centre, 1.0)}, twist;
   for (std::size_t k = 0; k < 4; ++k) {
-    bend.push_back(point_load(corners[k], -0.25));
-    twist.push_back(point_load(corners[k], k % 2 ? -1.0 : 1.0));
+    bend.push_back(plate_load(corners[k], -0.25));
+    twist.push_back(plate_load(corners[k], k % 2 ? -1.0 : 1.0));
   }
   const ShellModel bent = make(bend), twisted = make(twist);
-  const std::vector<double> u = deflection(bent), v = deflection(twisted);
+  const std::vector<double> u = deflections(bent), v = deflections(twisted);
   out.bent = height(bent, u, centre) - mean_height(bent, u, corners);
   for (std::size_t k = 0; k < 4; ++k) out.twisted += 0.25 * (k % 2 ? -1.0 : 1.0) * height(twisted, v, corners[k]);
   out.frequencies = frequencies(bent);
@@ -158,7 +160,7 @@ Plate plate_results(const std::function<ShellModel(const std::vector<Load>&)>& m
 
 Plate turned_plate(double degrees, int elements, const Vec2& shift, int degree = 2) {
   const Vec2 centre = Vec2::Constant(0.5 * kPatch) + shift;
-  const Ring corners = square(centre, kSize, degrees * kPi / 180.0);
+  const Ring corners = square_ring(centre, kPlateSize, degrees * pi / 180.0);
   return plate_results(
       [&](const std::vector<Load>& loads) {
         return trimmed(kPatch, patch_elements(elements), {{closed(corners), false}}, loads, degree);
@@ -166,10 +168,10 @@ Plate turned_plate(double degrees, int elements, const Vec2& shift, int degree =
       centre, corners);
 }
 
-Plate whole_plate(int elements, int degree = 2) {
-  const Vec2 centre = Vec2::Constant(0.5 * kSize);
-  return plate_results([&](const std::vector<Load>& loads) { return trimmed(kSize, elements, {}, loads, degree); },
-                       centre, square(centre, kSize, 0.0));
+Plate uncut_plate(int elements, int degree = 2) {
+  const Vec2 centre = Vec2::Constant(0.5 * kPlateSize);
+  return plate_results([&](const std::vector<Load>& loads) { return trimmed(kPlateSize, elements, {}, loads, degree); },
+                       centre, square_ring(centre, kPlateSize, 0.0));
 }
 
 const Vec2 kShift(0.013, -0.0071);  // off the lattice
@@ -177,21 +179,21 @@ const Vec2 kShift(0.013, -0.0071);  // off the lattice
 void turned(Report& r, int, int degree) {
   const std::string name = degree == 2 ? "turned" : "cubic_turned";
   // w = F x y / (2 (1 - nu) D) under corner forces F: moments are constant (Timoshenko and Woinowsky-Krieger, 11)
-  const double twist = 0.25 * kSize * kSize / (2.0 * (1.0 - kPoisson) * kStiffness);
-  const Plate whole = whole_plate(2 * kElements, degree);
+  const double twist = 0.25 * kPlateSize * kPlateSize / (2.0 * (1.0 - kPlatePoisson) * kStiffness);
+  const Plate whole = uncut_plate(2 * kPlateElements, degree);
   for (const double degrees : {0.0, 15.0, 30.0, 45.0}) {
     double start = seconds_now();
-    const Plate p = turned_plate(degrees, kElements, kShift, degree);
+    const Plate p = turned_plate(degrees, kPlateElements, kShift, degree);
     r.add(fmt::format("{}_{:.0f}_deflection", name, degrees), p.bent, whole.bent, 0.005, seconds_now() - start);
     r.add(fmt::format("{}_{:.0f}_twist", name, degrees), p.twisted, twist, 1e-3, 0.0);
-    for (int k = 0; k < kModes; ++k)
+    for (int k = 0; k < kPlateModes; ++k)
       r.add(fmt::format("{}_{:.0f}_frequency_{}", name, degrees, k + 1), p.frequencies[k], whole.frequencies[k], 0.01,
             0.0);
   }
 }
 
 void order(Report& r, int) {
-  const Plate exact = whole_plate(64);
+  const Plate exact = uncut_plate(64);
   Curve curve{"order", "elements", "error of the first frequency", {}, {}};
   for (const int n : {8, 16, 32}) {
     const Plate p = turned_plate(15.0, n, kShift);
@@ -203,8 +205,8 @@ void order(Report& r, int) {
 
 // A disc on the ring of its corners, under pressure that those bear.
 void disc(Report& r, const std::string& name, double inner, int elements) {
-  const double outer = 0.5 * kSize;
-  const Disc exact{outer, inner, kPoisson};
+  const double outer = 0.5 * kPlateSize;
+  const Disc exact{outer, inner, kPlatePoisson};
   const Vec2 centre = Vec2::Constant(0.5 * kPatch) + kShift;
   const int corners = 4 * elements;  // about as many as cuts have, for a chord within a hundredth of an element
   const Ring border = circle(centre, outer, corners, 0.1);
@@ -212,21 +214,21 @@ void disc(Report& r, const std::string& name, double inner, int elements) {
   const int around = static_cast<int>(std::round(1.5 * corners * inner / outer));
   if (inner > 0.0) loops.push_back({closed(circle(centre, inner, around, 0.2)), true});
   std::vector<Load> loads{pressure(1.0)};
-  const double all = kPi * (outer * outer - inner * inner);
-  for (const Vec2& p : border) loads.push_back(point_load(p, -all / corners));
+  const double all = pi * (outer * outer - inner * inner);
+  for (const Vec2& p : border) loads.push_back(plate_load(p, -all / corners));
   const double start = seconds_now();
   const ShellModel m = trimmed(kPatch, patch_elements(elements), loops, loads);
   double mass = 0.0;
   for (const double part : m.mass) mass += part;
-  r.add(name + "_mass", mass, kDensity * kThickness * all, 1e-9, 0.0);
-  const std::vector<double> u = deflection(m);
+  r.add(name + "_mass", mass, kPlateDensity * kPlateThickness * all, 1e-9, 0.0);
+  const std::vector<double> u = deflections(m);
   const Ring inside = inner > 0.0 ? circle(centre, 1.05 * inner, 16, 0.0) : Ring{centre};
   r.add(name + "_deflection", mean_height(m, u, inside) - mean_height(m, u, border),
         disc_deflection(exact, (inside.front() - centre).norm()) / kStiffness, 0.005, seconds_now() - start);
-  const std::vector<double> found = frequencies(m), wanted = free_disc_modes(exact, kModes);
-  for (int k = 0; k < kModes; ++k)
+  const std::vector<double> found = frequencies(m), wanted = free_disc_modes(exact, kPlateModes);
+  for (int k = 0; k < kPlateModes; ++k)
     r.add(fmt::format("{}_frequency_{}", name, k + 1), found[k],
-          wanted[k] * std::sqrt(kStiffness / (kDensity * kThickness)) / (2.0 * kPi), 0.01, 0.0);
+          wanted[k] * std::sqrt(kStiffness / (kPlateDensity * kPlateThickness)) / (2.0 * pi), 0.01, 0.0);
 }
 
 // Largest difference of the metric of any Gauss point from that at rest [-].
@@ -270,9 +272,10 @@ void random_steps(Report& r, int threads) {
     double least = 1e300, least_cut = 1e300, sum = 0.0, sum_cut = 0.0, strain = 0.0, cut_strain = 0.0;
     for (int k = 0; k < kPlaces; ++k) {
       const Vec2 centre = Vec2::Constant(0.5 * kPatch) + Vec2(uniform(-0.1, 0.1), uniform(-0.1, 0.1));
-      const double angle = uniform(0.0, 0.5 * kPi), along = uniform(0.0, kPi), off = uniform(-0.3, 0.3);
+      const double angle = uniform(0.0, 0.5 * pi), along = uniform(0.0, pi), off = uniform(-0.3, 0.3);
       std::vector<TrimLoop> loops{
-          {closed(k % 2 ? circle(centre, 0.5 * kSize, 48, angle) : square(centre, kSize, angle)), false}};
+          {closed(k % 2 ? circle(centre, 0.5 * kPlateSize, 48, angle) : square_ring(centre, kPlateSize, angle)),
+           false}};
       if (k % 4 > 1) loops.push_back({closed(circle(centre, uniform(0.1, 0.3), 16, angle)), true});
       const ShellModel m = trimmed(kPatch, patch_elements(kCoarse), loops, {}, degree);
       ShellState s = make_state(m, Vec3::Zero(), 0);
@@ -282,7 +285,7 @@ void random_steps(Report& r, int threads) {
       turn(m, turned, Vec3(0.3, -0.8, 0.5));
       strain = std::max(strain, largest_strain(m, turned));
       const Vec2 way(std::cos(along), std::sin(along)), middle = centre + off * Vec2(-way.y(), way.x());
-      insert_polyline(m, s, {middle - 0.7 * kSize * way, middle + 0.7 * kSize * way}, 0.0);
+      insert_polyline(m, s, {middle - 0.7 * kPlateSize * way, middle + 0.7 * kPlateSize * way}, 0.0);
       const double ratio_cut = step_of(m, s) / whole;
       least_cut = std::min(least_cut, ratio_cut), sum_cut += ratio_cut;
       turn(m, s, Vec3(0.3, -0.8, 0.5));
@@ -302,8 +305,8 @@ void random_steps(Report& r, int threads) {
 // A disc with a hole that spins, drifts and vibrates.
 void flight(Report& r, int threads) {
   const Vec2 centre = Vec2::Constant(0.5 * kPatch) + kShift;
-  Rig rig(setup_of({{trimmed(kPatch, patch_elements(kElements),
-                             {{closed(circle(centre, 0.5 * kSize, kCorners, 0.1)), false},
+  Rig rig(setup_of({{trimmed(kPatch, patch_elements(kPlateElements),
+                             {{closed(circle(centre, 0.5 * kPlateSize, kCorners, 0.1)), false},
                               {closed(circle(centre, 0.2, 24, 0.2)), true}}),
                      Vec3(1.0, -2.0, 0.5)}}),
           threads);
@@ -343,7 +346,7 @@ std::vector<Case> surface_cases() {
       {"cubic_turned", "the same, degree 3", [](Report& r, int threads) { turned(r, threads, 3); }},
       {"order", "order of convergence of a turned plate", order},
       {"disc", "a disc under pressure, and its free vibration",
-       [](Report& r, int) { disc(r, "disc", 0.0, kElements); }},
+       [](Report& r, int) { disc(r, "disc", 0.0, kPlateElements); }},
       {"ring", "the same with a hole", [](Report& r, int) { disc(r, "ring", 0.2, kRingElements); }},
       {"random", "stable step of 200 loops at random places, with a cut too, and strain in rigid motion", random_steps},
       {"flight", "momenta and energy of a ring in flight", flight}};

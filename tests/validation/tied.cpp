@@ -16,11 +16,11 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int kRigid = 6;
 
 // Where the pieces of a plate meet, from (0, y = 0) to y = 1.
-double course(double y) { return 0.52 + 0.08 * std::sin(2.0 * kPi * y) + 0.05 * (y - 0.5); }
+double course(double y) { return 0.52 + 0.08 * std::sin(2.0 * pi * y) + 0.05 * (y - 0.5); }
 
 PlaneCurve course_curve(bool back) {
   return {[back](double t) { return Vec2(course(back ? 1.0 - t : t), back ? 1.0 - t : t); }, 1.2, false};
@@ -31,7 +31,7 @@ constexpr double kRightSide = 1.3;                 // of that patch [m]
 
 // Parameters of a place on the right piece, whose patch is turned.
 Vec2 on_right(const Vec2& x, double degrees) {
-  return Eigen::Rotation2Dd(degrees * kPi / 180.0).inverse() * (x - kRight) + Vec2::Constant(0.5 * kRightSide);
+  return Eigen::Rotation2Dd(degrees * pi / 180.0).inverse() * (x - kRight) + Vec2::Constant(0.5 * kRightSide);
 }
 
 int right_elements(int elements) { return static_cast<int>(std::lround(1.07 * elements)); }
@@ -44,7 +44,7 @@ Pieces plate_pieces(int elements, double degrees, int degree) {
                   [](const Vec2& x) { return x; }};
   const PieceOf b{
       plate(kRightSide, kRightSide, right_elements(elements), right_elements(elements),
-            Vec3(kRight.x(), kRight.y(), 0.0), Quat(Eigen::AngleAxisd(degrees * kPi / 180.0, Vec3::UnitZ())), degree),
+            Vec3(kRight.x(), kRight.y(), 0.0), Quat(Eigen::AngleAxisd(degrees * pi / 180.0, Vec3::UnitZ())), degree),
       [degrees](const Vec2& x) { return on_right(x, degrees); }};
   Pieces out;
   const double c0 = course(0.0), c1 = course(1.0);
@@ -92,8 +92,8 @@ void tied_plate(Report& r, int threads, double degrees, int degree) {
 
 // The roof of Scordelis and Lo (1964): diaphragms hold its ends, its weight bends it. `divided`: in two pieces along a
 // curve, of other elements on both sides.
-constexpr double kRadius = 25.0, kLength = 50.0, kArc = 80.0 * kPi / 180.0, kRoofThickness = 0.25;
-constexpr double kWeight = 90.0;  // for each area
+constexpr double kTiedRadius = 25.0, kTiedLength = 50.0, kArc = 80.0 * pi / 180.0, kRoofThickness = 0.25;
+constexpr double kTiedWeight = 90.0;  // for each area
 
 Pieces roof(bool divided, int elements) {
   ShellMaterial material;
@@ -101,11 +101,11 @@ Pieces roof(bool divided, int elements) {
   Support diaphragm;
   diaphragm.edges = kVMin | kVMax, diaphragm.clamped = false, diaphragm.axes = {true, true, false};
   const auto piece_of = [&](int nu, int nv) {
-    const Patch patch = cylinder(kRadius, kLength, kArc, nu, nv), lengths = with_parameters_as_lengths(patch);
+    const Patch patch = cylinder(kTiedRadius, kTiedLength, kArc, nu, nv), lengths = with_parameters_as_lengths(patch);
     const Vec2 size(lengths.knots_u.end(), lengths.knots_v.end());
     return PieceOf{patch, [size](const Vec2& share) { return Vec2(share.cwiseProduct(size)); }};
   };
-  const auto at = [](double v) { return 0.46 + 0.1 * std::sin(2.0 * kPi * v); };
+  const auto at = [](double v) { return 0.46 + 0.1 * std::sin(2.0 * pi * v); };
   const PlaneCurve forth{[at](double t) { return Vec2(at(t), t); }, 1.2, false},
       back{[at](double t) { return Vec2(at(1.0 - t), 1.0 - t); }, 1.2, false};
   Pieces out;
@@ -129,7 +129,7 @@ Pieces roof(bool divided, int elements) {
 // Sag of the middle of a free edge, that of the first or of the last shell.
 double sag(TiedSystem& system, const Pieces& p, bool first) {
   constexpr double kSlow = 1e-6;  // [1/s^2]: far below all modes; it holds the motion along the axis
-  const double gravity = kWeight / (p.models[0].material.density * kRoofThickness);
+  const double gravity = kTiedWeight / (p.models[0].material.density * kRoofThickness);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(system.count());
   for (std::size_t k = 0; k < p.models.size(); ++k)
     for (int i = 0; i < p.models[k].control_points(); ++i)

@@ -16,7 +16,7 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 // A surface over shares (x, y) from 0 to 1, divided into columns and rows by curves x = across(i, y), y = along(j, x).
 struct Grid {
@@ -26,11 +26,11 @@ struct Grid {
   // Moved off even parts, so that the middle of the surface is inside of a cell. The first and the last are straight.
   double across(int i, double y) const {
     if (i == 0 || i == columns) return i == 0 ? 0.0 : 1.0;
-    return (i + 0.12 + 0.15 * std::sin(2.0 * kPi * y + i) + 0.1 * (y - 0.5)) / columns;
+    return (i + 0.12 + 0.15 * std::sin(2.0 * pi * y + i) + 0.1 * (y - 0.5)) / columns;
   }
   double along(int j, double x) const {
     if (j == 0 || j == rows) return j == 0 ? 0.0 : 1.0;
-    return (j + 0.1 + 0.13 * std::sin(2.0 * kPi * x - 0.7 * j)) / rows;
+    return (j + 0.1 + 0.13 * std::sin(2.0 * pi * x - 0.7 * j)) / rows;
   }
   // Where two curves cross: each is flat enough for this to contract.
   Vec2 crossing(int i, int j) const {
@@ -198,7 +198,7 @@ Arc roof_arc() {
   material.density = 360.0, material.youngs_modulus = 4.32e8, material.poisson_ratio = 0.0;
   Support diaphragm;
   diaphragm.edges = kVMin | kVMax, diaphragm.clamped = false, diaphragm.axes = {true, true, false};
-  return {"roof", 25.0, 50.0, 80.0 * kPi / 180.0, 0.25, material, diaphragm, 1.0, 1e-6, 1e-2, 1, {0.0, 0.5}, 24};
+  return {"roof", 25.0, 50.0, 80.0 * pi / 180.0, 0.25, material, diaphragm, 1.0, 1e-6, 1e-2, 1, {0.0, 0.5}, 24};
 }
 
 // A third of a cylinder whose places along one arc are held. Its free end bends without stretch, which quadratic
@@ -207,7 +207,7 @@ Arc roof_arc() {
 Arc panel_of_a_cylinder() {
   Support hinge;
   hinge.edges = kVMin, hinge.clamped = false;
-  return {"cylinder", 0.5, 1.0, 2.0 * kPi / 3.0, 0.01, steel(), hinge, 9.81, 0.0, 1e3, 0, {0.5, 1.0}, 48};
+  return {"cylinder", 0.5, 1.0, 2.0 * pi / 3.0, 0.01, steel(), hinge, 9.81, 0.0, 1e3, 0, {0.5, 1.0}, 48};
 }
 
 void arc_grid(Report& r, int threads, const Arc& arc, const Grid& grid) {

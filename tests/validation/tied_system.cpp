@@ -6,11 +6,13 @@
 #include <random>
 
 #include <fmt/format.h>
+#include <Eigen/SparseLU>
 
 #include "coupler/core/error.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/joining/stitching.h"
 #include "shell/solver/stepping/stable_step.h"
+#include "tests/validation/ritz.h"
 
 namespace sunder::validation {
 
@@ -20,9 +22,9 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-constexpr double kPi = std::numbers::pi;
-constexpr int kIterations = 60;      // of subspaces, which converge in fewer
-constexpr double kTolerance = 1e-7;  // of places where borders meet [m]
+using std::numbers::pi;
+constexpr int kSubspaceIterations = 60;  // of subspaces, which converge in fewer
+constexpr double kTolerance = 1e-7;      // of places where borders meet [m]
 
 }  // namespace
 
@@ -45,7 +47,11 @@ void Pieces::find_seams() {
                       std::vector<std::vector<Join>>(models.size(), std::vector<Join>(models.size(), Join::kClamped)));
 }
 
-TiedSystem::TiedSystem(const Pieces& pieces) : pieces_(pieces) {
+struct TiedSystem::Factors {
+  Eigen::SparseLU<Matrix> lu;
+};
+
+TiedSystem::TiedSystem(const Pieces& pieces) : pieces_(pieces), factors_(std::make_unique<Factors>()) {
   std::vector<Eigen::Triplet<double>> stiffness;
   for (const ShellModel& m : pieces.models) {
     ShellState s = make_state(m, Vec3::Zero(), 0);
@@ -78,6 +84,8 @@ TiedSystem::TiedSystem(const Pieces& pieces) : pieces_(pieces) {
       }
 }
 
+TiedSystem::~TiedSystem() = default;
+
 int TiedSystem::degree(int shell, int slot, int axis) const {
   const int n =
       free_[shell].number[static_cast<std::size_t>(axis) * pieces_.models[shell].tables.component_stride + slot];
@@ -88,7 +96,7 @@ Eigen::MatrixXd TiedSystem::solve(const Eigen::MatrixXd& loads, double held) {
   if (held != held_) factorise(held);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count_ + rows_, loads.cols());
   right.topRows(count_) = loads;
-  return Eigen::MatrixXd(factors_.solve(right)).topRows(count_);
+  return Eigen::MatrixXd(factors_->lu.solve(right)).topRows(count_);
 }
 
 std::vector<double> TiedSystem::frequencies(double held, int rigid) {
@@ -97,22 +105,21 @@ std::vector<double> TiedSystem::frequencies(double held, int rigid) {
   Eigen::MatrixXd x(count_, vectors);
   for (Eigen::Index k = 0; k < x.size(); ++k) x.data()[k] = static_cast<double>(random() >> 11) * 0x1.0p-53 - 0.5;
   Eigen::VectorXd values = Eigen::VectorXd::Zero(vectors);
-  for (int it = 0; it < kIterations; ++it) {
+  for (int it = 0; it < kSubspaceIterations; ++it) {
     x = solve(mass_.asDiagonal() * x, held);
     const Eigen::MatrixXd k = x.transpose() * (stiffness_ * x), m = x.transpose() * (mass_.asDiagonal() * x);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> reduced(0.5 * (k + k.transpose()),
-                                                                            0.5 * (m + m.transpose()));
-    x = (x * reduced.eigenvectors()).eval();
-    const double change = (reduced.eigenvalues() - values).head(kTiedModes + rigid).cwiseAbs().maxCoeff();
-    values = reduced.eigenvalues();
+    const Eigenpairs reduced = ritz_pairs(0.5 * (k + k.transpose()), 0.5 * (m + m.transpose()));
+    x = (x * reduced.vectors).eval();
+    const double change = (reduced.values - values).head(kTiedModes + rigid).cwiseAbs().maxCoeff();
+    values = reduced.values;
     if (change <= 1e-9 * values[kTiedModes + rigid - 1]) break;
-    require(it + 1 < kIterations, "frequencies still change by {:.3g} of their squares",
+    require(it + 1 < kSubspaceIterations, "frequencies still change by {:.3g} of their squares",
             change / values[kTiedModes + rigid - 1]);
   }
   std::vector<double> out;
   for (int k = rigid; k < rigid + kTiedModes; ++k) {
     const Eigen::VectorXd shape = x.col(k);
-    out.push_back(std::sqrt(values[k] * shape.dot(mass_.cwiseProduct(shape)) / consistent(shape)) / (2.0 * kPi));
+    out.push_back(std::sqrt(values[k] * shape.dot(mass_.cwiseProduct(shape)) / consistent(shape)) / (2.0 * pi));
   }
   return out;
 }
@@ -136,8 +143,8 @@ void TiedSystem::factorise(double held) {
         all.emplace_back(t.col(), count_ + t.row(), scale * t.value());
   Matrix whole(count_ + rows_, count_ + rows_);
   whole.setFromTriplets(all.begin(), all.end());
-  factors_.compute(whole);
-  require(factors_.info() == Eigen::Success, "the system of tied pieces cannot be factorised");
+  factors_->lu.compute(whole);
+  require(factors_->lu.info() == Eigen::Success, "the system of tied pieces cannot be factorised");
   held_ = held;
 }
 

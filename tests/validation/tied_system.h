@@ -1,10 +1,10 @@
 #pragma once
 // Surfaces of pieces that ties join: stiffness, lumped mass and ties as one linear system.
+#include <memory>
 #include <string>
 #include <vector>
 
-#include <Eigen/Dense>
-#include <Eigen/SparseLU>
+#include <Eigen/SparseCore>
 
 #include "shell/geometry/trim_seams.h"
 #include "shell/solver/model.h"
@@ -31,6 +31,7 @@ struct Pieces {
 class TiedSystem {
  public:
   explicit TiedSystem(const Pieces& pieces);
+  ~TiedSystem();
 
   int degree(int shell, int slot, int axis) const;
   int count() const { return count_; }
@@ -55,7 +56,8 @@ class TiedSystem {
   Eigen::VectorXd mass_, load_;
   std::vector<Eigen::Triplet<double>> ties_;
   double held_ = -1.0;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> factors_;
+  struct Factors;
+  std::unique_ptr<Factors> factors_;
 };
 
 /// Stable step of all pieces together, as if free [s].

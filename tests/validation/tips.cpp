@@ -21,10 +21,10 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kSide = 0.2, kHalfCrack = 0.0125, kThickness = 0.004, kStress = 1e6;
+using std::numbers::pi;
+constexpr double kTipSide = 0.2, kHalfCrack = 0.0125, kTipThickness = 0.004, kStress = 1e6;
 
-ShellMaterial glass() {
+ShellMaterial tip_glass() {
   ShellMaterial m;
   m.density = 2500, m.youngs_modulus = 70e9, m.poisson_ratio = 0.22, m.strength = 60e6, m.fracture_energy = 8.0;
   return m;
@@ -39,13 +39,13 @@ std::vector<Load> loads(Pull pull) {
     l.edges = edge;
     const double sign = edge == kUMin || edge == kVMin ? -1.0 : 1.0;
     if (pull == Pull::kBending) {
-      l.kind = Load::Kind::kEdgeMoment, l.size = 1e-2 * kStress * kThickness * kThickness / 6.0;
+      l.kind = Load::Kind::kEdgeMoment, l.size = 1e-2 * kStress * kTipThickness * kTipThickness / 6.0;
     } else {
       l.kind = Load::Kind::kEdgeForce;
       if (edge == kVMin || edge == kVMax)
-        l.force.y() = sign * kStress * kThickness;
+        l.force.y() = sign * kStress * kTipThickness;
       else if (pull == Pull::kAllRound)
-        l.force.x() = sign * kStress * kThickness;
+        l.force.x() = sign * kStress * kTipThickness;
     }
     out.push_back(l);
   }
@@ -65,10 +65,11 @@ struct Found {
 // `beside`: the crack's middle from that of the sheet, in spacings; off the lattice, as cracks are.
 Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2& beside = Vec2(0.31, 0.17),
                   const CalibratedConstants& constants = {}) {
-  const ShellModel m = make_shell("sheet", plate(kSide, kSide, elements, elements, Vec3::Zero(), Quat::Identity()),
-                                  kThickness, glass(), 2, 2, {}, loads(pull));
+  const ShellModel m =
+      make_shell("sheet", plate(kTipSide, kTipSide, elements, elements, Vec3::Zero(), Quat::Identity()), kTipThickness,
+                 tip_glass(), 2, 2, {}, loads(pull));
   ShellState s = make_state(m, Vec3::Zero(), 1);
-  const Vec2 c = Vec2::Constant(0.5 * kSide) + m.spacing * beside, d(std::cos(angle), std::sin(angle));
+  const Vec2 c = Vec2::Constant(0.5 * kTipSide) + m.spacing * beside, d(std::cos(angle), std::sin(angle));
   insert_polyline(m, s, {c - kHalfCrack * d, c + kHalfCrack * d}, 0.0);
   start_at_ends(m, s, 0, static_cast<int>(s.cracks.graph.edges().size()));
   RelaxationRules rules;
@@ -84,8 +85,8 @@ Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2
     const double e = m.material.youngs_modulus, nu = m.material.poisson_ratio;
     const double root = drive.ratio * std::sqrt(e * m.material.fracture_energy);  // sqrt(E G)
     const double known = pull == Pull::kBending
-                             ? 1e-2 * kStress * std::sqrt(kHalfCrack * kPi * (1.0 + nu) / (3.0 * (3.0 + nu)))
-                             : kStress * std::sqrt(kPi * kHalfCrack);
+                             ? 1e-2 * kStress * std::sqrt(kHalfCrack * pi * (1.0 + nu) / (3.0 * (3.0 + nu)))
+                             : kStress * std::sqrt(pi * kHalfCrack);
     const ReleaseLook look{tip.p, tip.direction, kReleaseInner * kReleaseOuter * m.spacing, kReleaseOuter * m.spacing};
     found.release += energy_release_at(m, s, look).x() * e / (known * known) / s.cracks.tips.size();
     found.k1 += root / known / s.cracks.tips.size(), found.turn += std::abs(drive.turn) / s.cracks.tips.size();
@@ -100,7 +101,7 @@ std::pair<double, double> kinked(double k1, double k2) {
   return {std::abs(t), std::pow(std::cos(0.5 * t), 3) * k1 - 1.5 * std::cos(0.5 * t) * std::sin(t) * k2};
 }
 
-constexpr double kDegree = kPi / 180.0;
+constexpr double kDegree = pi / 180.0;
 
 // Places in an element, evenly spread (Roberts): powers of 1 over the plastic number.
 Vec2 place(int k) {
@@ -120,7 +121,7 @@ void energy_release(Report& r, int threads) {
         const Found f = crack_under(pull, elements, angle * kDegree, threads);
         r.add(fmt::format("{}_{:.0f}_degrees_{}", name, angle, elements), f.k1, 1.0, 0.25, seconds_now() - start);
         r.add(fmt::format("{}_release_{:.0f}_degrees_{}", name, angle, elements), f.release, 1.0,
-              kLongerCrack * kSide / (elements * kHalfCrack), 0.0);
+              kLongerCrack * kTipSide / (elements * kHalfCrack), 0.0);
         r.lines.push_back(
             fmt::format("{} at {:.0f} degrees, {}: turns by {:.1f} degrees", name, angle, elements, f.turn / kDegree));
       }

@@ -15,8 +15,8 @@ namespace {
 
 using namespace sunder::shell;
 
-constexpr double kPi = std::numbers::pi;
-constexpr int kElements = 32;
+using std::numbers::pi;
+constexpr int kStripElements = 32;
 constexpr double kPeriods = 3.0;
 
 struct Swing {
@@ -30,14 +30,15 @@ struct Swing {
 };
 
 // First mode of a simply supported square, three periods. Peaks lie between zero crossings of the middle's deflection.
-void swing(Swing& out) {
+void swing_over(Swing& out) {
   constexpr double kYoung = 1e7, kPoisson = 0.3, kDensity = 1000.0, kThickness = 0.01;
   ShellMaterial material;
   material.density = kDensity, material.youngs_modulus = kYoung, material.poisson_ratio = kPoisson;
   Support hinge;
   hinge.edges = kUMin | kUMax | kVMin | kVMax, hinge.clamped = false;
-  RunSetup setup = setup_of({{make_shell("plate", plate(1.0, 1.0, kElements, kElements, Vec3::Zero(), Quat::Identity()),
-                                         kThickness, material, 2, 2, {hinge})}});
+  RunSetup setup =
+      setup_of({{make_shell("plate", plate(1.0, 1.0, kStripElements, kStripElements, Vec3::Zero(), Quat::Identity()),
+                            kThickness, material, 2, 2, {hinge})}});
   setup.shells[0].transfer = {out.kind, out.spacing * setup.shells[0].model.spacing, out.leaky};
   Rig rig(std::move(setup));
   const ShellModel& m = rig.model();
@@ -45,13 +46,13 @@ void swing(Swing& out) {
   const std::size_t stride = m.tables.component_stride;
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
-    s.motion.v[2 * stride + slot] = 0.002 * std::sin(kPi * m.parameter[i].x()) * std::sin(kPi * m.parameter[i].y());
-    s.motion.x[2 * stride + slot] += 0.3 / kElements;  // no plane of grid nodes lies in the plate
+    s.motion.v[2 * stride + slot] = 0.002 * std::sin(pi * m.parameter[i].x()) * std::sin(pi * m.parameter[i].y());
+    s.motion.x[2 * stride + slot] += 0.3 / kStripElements;  // no plane of grid nodes lies in the plate
     if (s.motion.inverse_mass[slot] == 0.0) s.motion.v[2 * stride + slot] = 0.0;
   }
   if (out.kind != Transfer::kDirect) s.motion.before = s.motion.v;
   const double rigidity = kYoung * std::pow(kThickness, 3) / 12.0 / (1.0 - kPoisson * kPoisson);
-  const double period = 2.0 * kPi / (2.0 * kPi * kPi * std::sqrt(rigidity / (kDensity * kThickness)));
+  const double period = 2.0 * pi / (2.0 * pi * pi * std::sqrt(rigidity / (kDensity * kThickness)));
   const double dt = out.step * m.spacing / m.wave_speed();
   const int middle = m.tables.slot(m.control_points() / 2 + m.tables.columns / 2);
   const double rest = s.motion.x[2 * stride + middle];
@@ -90,7 +91,7 @@ void transfers_case(Report& r, int threads) {
   all.push_back({"apic_leaky", Transfer::kApic, 1.0, 0.3, true});
   const double start = seconds_now();
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (std::size_t i = 0; i < all.size(); ++i) swing(all[i]);
+  for (std::size_t i = 0; i < all.size(); ++i) swing_over(all[i]);
   const double seconds = seconds_now() - start;
   r.lines.push_back(
       "transfers: grid of one element, flip_2 of two; leaky: forces on held points reach the grid; step in elements "
