@@ -41,8 +41,9 @@ A new field takes these steps. There is no field that nothing reads.
 
 1. **Field and documentation**: the `.proto` file, with a comment `[unit] text.`, then `Default: …`, `Excludes: …`, `Needs: …`
    (the head of `scene.proto` has the rules). This page is made from it by `/usr/bin/python3 -B proto/reference.py`.
+   A comment repeats the default of the struct; keep both the same.
 2. **Default**: a member with that value in the plain struct that the field is read into: `RunSetup` or `CouplingRules`
-   (`shell/io/build.h`), `ShellSetup` (`shell/io/shell_setup.h`), or the rules that it holds. Those of a material are members
+   (`shell/io/build.h`), `ShellSetup` (`shell/io/shell_setup.h`), `SoftSetup` (`shell/soft/soft_bodies.h`), or the rules that it holds. Those of a material are members
    of `ShellMaterial` (`shell/solver/model.h`), which `build_shell.cpp` fills. Defaults that depend on
    other fields, and some constant ones, stand in the reader.
 3. **Reader**: `shell/io/build.cpp` for the run, bodies and output, `build_shell.cpp` and `shell_setup.cpp` for shells and
@@ -53,6 +54,7 @@ A new field takes these steps. There is no field that nothing reads.
 4. **Check**: of the value alone in `coupler/scene/validate*.cpp`; against the model (spacing, other shells, supports) in its
    reader, by `scene.check`. A new source in
    `coupler/scene/` is listed in `coupler/CMakeLists.txt`. Fields of the session are checked in `coupler/link/messages.cpp`.
+   A value of which the unit decides the size joins `kDecided` (`coupler/scene/unit_warnings.cpp`).
 5. **Test**: a bad value is refused, in `tests/coupler/scene/`.
 """
 SESSION_HEAD = """\

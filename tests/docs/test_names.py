@@ -206,6 +206,14 @@ class Names(unittest.TestCase):
                          [("", "a"), ("", "b.h"), ("in", "d")])
         self.assertEqual(named_files(table.format("file | holds", "| `a`, `b` | `c` |")), [("", "a"), ("", "b")])
 
+    def test_places_that_decide_by_mode_are_listed(self) -> None:
+        line = next(line for line in (SHELL / "README.md").read_text().splitlines() if "each place that decides by mode" in line)
+        told = {(folder if folder.startswith("coupler/") else f"shell/{folder}") + stem
+                for folder, stems in re.findall(r"`([a-z_/]+/){([a-z_,]+)}`", line) for stem in stems.split(",")}
+        there = {str(path.relative_to(TOP).with_suffix("")) for path, text in sources().items()
+                 if path.suffix in (".h", ".cpp") and re.search(r"\b(tips_run|damages|weakens)\(\)|\bFracture::[A-Z]+\b|\bFractureMode::k", text)}
+        self.assertEqual(told, there)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -31,6 +31,17 @@ class Reference(unittest.TestCase):
         self.assertEqual((TOP / "proto" / "README.md").read_text(), REFERENCE.page(),
                          "run /usr/bin/python3 -B proto/reference.py")
 
+    def test_every_field_is_read(self) -> None:
+        text = "\n".join(path.read_text() for room in ("coupler", "shell", "rigid") for path in sorted((TOP / room).rglob("*"))
+                         if path.suffix in (".cpp", ".h", ".py", ".mjs"))
+        # calls NAME(), has_NAME(), NAME_size(); members of Python's and JavaScript's messages; names in quotes; an extension
+        read = set(re.findall(r"\b(?:has_|mutable_)?(\w+?)(?:_size)?\(|\.(\w+)|\"(\w+)\"|proto::(\w+)", text))
+        names = {name for found in read for name in found}
+        fields = {match[1] for path in (TOP / "proto").glob("*.proto")
+                  for match in re.finditer(r"^\s+(?:optional |repeated )?(?:map<[^>]*>|[\w.]+) (\w+) = \d+", path.read_text(), re.MULTILINE)}
+        self.assertGreater(len(fields), 300)
+        self.assertEqual(fields - names, set(), "a field that nothing reads")
+
     def test_every_schema_is_in_it(self) -> None:
         self.assertEqual(sorted(p.stem for p in (TOP / "proto").glob("*.proto")),
                          sorted(REFERENCE.SCENE + REFERENCE.SESSION))
