@@ -39,7 +39,7 @@ class Reference(unittest.TestCase):
         names = {name for found in read for name in found}
         fields = {match[1] for path in (TOP / "proto").glob("*.proto")
                   for match in re.finditer(r"^\s+(?:optional |repeated )?(?:map<[^>]*>|[\w.]+) (\w+) = \d+", path.read_text(), re.MULTILINE)}
-        self.assertGreater(len(fields), 300)
+        self.assertGreater(len(fields), 250)
         self.assertEqual(fields - names, set(), "a field that nothing reads")
 
     def test_every_schema_is_in_it(self) -> None:
