@@ -108,9 +108,9 @@ class Steps(unittest.TestCase):
             path.write_text("0123456789\nprograms 300\ntests_built 400\n")
             with self.assertRaisesRegex(CommandError, "lacks tests: "):
                 ci.read(path)
-            path.write_text("0123456789\nprograms 300\ntests_built 400\ntests 501\n")
+            path.write_text("0123456789\nprograms 300\ntests_built 400\ntests 1401\n")
             numbers = ci.read(path)
-            self.assertEqual(numbers, {"ci_programs_s": 300.0, "ci_tests_built_s": 400.0, "ci_tests_s": 501.0, "ci_s": 1201.0})
+            self.assertEqual(numbers, {"ci_programs_s": 300.0, "ci_tests_built_s": 400.0, "ci_tests_s": 1401.0, "ci_s": 2101.0})
             self.assertEqual(goals.beyond(numbers), ["ci_s"])
             path.write_text("ffffffffff\nprograms 300\ntests_built 400\ntests 1\n")
             with self.assertRaisesRegex(CommandError, r"tells of commit ffffffffff, and this is 0123456789\+: run '.ci/run' again"):

@@ -339,10 +339,10 @@ class Reporting(unittest.TestCase):
         with mock.patch.object(report, "build_dir", lambda: builds / "release"):
             self.assertEqual(self.report("ci"), 2)
             self.assertIn("ci.txt lacks programs, tests_built, tests: run '.ci/run' to its end", self.said.getvalue())
-            for tests, status in ((500, 0), (501, 1)):
+            for tests, status in ((1400, 0), (1401, 1)):
                 (builds / "ci.txt").write_text(f"{machine.commit().rstrip('+')}\nprograms 300\ntests_built 400\ntests {tests}\n")
                 self.assertEqual(self.report("ci"), status)
-        self.assertIn("| ci_s | 1201 | ≤ 1.2e+03 | ≤ 1.2e+03 |", self.page("benchmarks"))
+        self.assertIn("| ci_s | 2101 | ≤ 1.2e+03 | ≤ 2.1e+03 |", self.page("benchmarks"))
 
     def test_a_suite_that_breaks_leaves_the_earlier_result(self) -> None:
         self.assertEqual(self.report("shells", found=CASES), 0)

@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     ensure_built(all_targets=True, cad=may_install and _can_have("CAD files", _install(CAD_PACKAGES)))
     if may_install:
         _get_packages()
-    at_once = len(os.sched_getaffinity(0)) + 1  # some wait: for a process to start, for its peer, for a browser
+    at_once = len(os.sched_getaffinity(0)) + 2  # some wait: for a process to start, for its peer, for a browser
     command = ["ctest", "--test-dir", str(build_dir()), "--output-on-failure", f"-j{at_once}", *arguments.ctest]
     environment = {key: value for key, value in os.environ.items() if key != BUILD_DIR_VARIABLE}
     environment["PATH"] = "/usr/bin:/bin:" + environment.get("PATH", "")
