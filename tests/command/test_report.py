@@ -107,12 +107,12 @@ class Status(unittest.TestCase):
     def test_the_times_of_both_commands_are_those_that_are_kept(self) -> None:
         kept = {"first_install_s": 60.0, "first_build_s": 150.0, "first_build_steps": 9.0, "first_picture_s": 299.0}
         told = results.times([results.result_of("first_use", {"debian_12": kept}, 299.0, WITH, "debian_12")])
-        self.assertIn("\n- Debian 12, 2 cores: 5.0 min to the first picture (goal 5), 1.0 of installing and 2.5 of building; "
-                      "second command not timed (abc, 2000-01-02).\n", told)
+        self.assertIn("\n- Debian 12, 2 cores: 5.0 min to the first picture (goal 5), 1.0 of installing and 2.5 of building. "
+                      "Second command not timed (abc, 2000-01-02).\n", told)
         first = results.result_of("first_use", {"debian_12": kept}, 299.0, WITH, "debian_12")
         later = {**kept, "first_picture_s": 301.0, "first_test_s": 1200.0}
         told = results.times([first.with_numbers(results.result_of("first_use", {"debian_13": later}, 1.0, WITH, "debian_13"))])
-        self.assertRegex(told, r"\n- Debian 12, [^\n]*\n- Debian 13, [^\n]*; 20.0 min for the second command \(")
+        self.assertRegex(told, r"\n- Debian 12, [^\n]*\n- Debian 13, [^\n]*\. Second command 20.0 min \(")
 
     def test_rows_are_judged_by_the_list_as_it_is_now(self) -> None:
         folder = self.readme.parent

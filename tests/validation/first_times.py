@@ -45,7 +45,7 @@ def told(system: str, times: object, circumstances: Mapping[str, object]) -> str
     """The line of README.md about one system."""
     assert isinstance(times, dict)
     minutes = {key: f"{float(value) / 60.0:.1f}" for key, value in times.items() if key.endswith("_s")}
-    second = f"{minutes[TEST]} min for the second command" if TEST in minutes else "second command not timed"
+    second = f"Second command {minutes[TEST]} min" if TEST in minutes else "Second command not timed"
     return (f"- {system.replace('_', ' ').capitalize()}, {cell(circumstances.get('cores'))} cores: {minutes[GOAL]} min to the first "
-            f"picture (goal {GOAL_S / 60.0:.0f}), {minutes[INSTALL]} of installing and {minutes[BUILD]} of building; {second} "
+            f"picture (goal {GOAL_S / 60.0:.0f}), {minutes[INSTALL]} of installing and {minutes[BUILD]} of building. {second} "
             f"({cell(circumstances.get('commit'))}, {cell(circumstances.get('date'))}).")
