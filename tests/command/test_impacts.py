@@ -126,11 +126,14 @@ class Rows(unittest.TestCase):
 
 
 class Equivalence(unittest.TestCase):
-    def passed(self, *means: float, scatter: float = 1e-3) -> list[bool]:
+    def passed(self, *means: float, scatter: float = 1e-3, paired: bool = False) -> list[bool]:
+        """Rows for these means on three grids. Seeds scatter around each, alike on all grids only where `paired`."""
         table = trials.Table()
-        spread = np.array([-1.0, 1.0] * (impacts.SEEDS // 2))
+        alike = np.array([-1.0, -1.0, 1.0, 1.0] * (impacts.SEEDS // 4))
+        spreads = [alike, alike if paired else np.roll(alike, 1), alike if paired else -alike]
+        grids = [[float(v) for v in mean * (1.0 + scatter * spread)] for mean, spread in zip(means, spreads)]
         with contextlib.redirect_stdout(io.StringIO()):
-            found = impacts._add_equivalence(table, "count", [[float(v) for v in m * (1.0 + scatter * spread)] for m in means], 0.1, 1.0)
+            found = impacts._add_equivalence(table, "count", grids, 0.1, 1.0)
         np.testing.assert_allclose(found, means)
         self.assertEqual([row["name"] for row in table.rows], ["count", "count_over_three"])
         return [bool(row["pass"]) for row in table.rows]
@@ -140,6 +143,8 @@ class Equivalence(unittest.TestCase):
         self.assertEqual(self.passed(50.0, 54.0, 62.0), [False, False])
         self.assertEqual(self.passed(50.0, 60.0, 65.0), [True, False])
         self.assertEqual(self.passed(50.0, 50.0, 50.0, scatter=0.5), [False, False])  # scatter cannot hide a difference
+        self.assertEqual(self.passed(50.0, 50.0, 50.0, scatter=0.5, paired=True), [True, True])  # nor is it one, seed by seed
+        self.assertEqual(self.passed(50.0, 54.0, 62.0, scatter=0.5, paired=True), [False, False])
 
 
 class Taken(unittest.TestCase):
