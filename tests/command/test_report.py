@@ -65,6 +65,12 @@ class Pages(unittest.TestCase):
                 with self.assertRaisesRegex(CommandError, "bad.json: is no result of a suite"):
                     results.read_all(folder)
 
+    def test_the_newest_of_one_day_was_recorded_last(self) -> None:
+        first = results.result_of("shells", CASES, 3.0, {**WITH, "commit": "first"}, case="b")
+        again = results.result_of("shells", CASES, 3.0, {**WITH, "commit": "again"}, case="a")
+        self.assertEqual(first.with_case(again).newest["commit"], "again")
+        self.assertEqual(again.with_case(first).with_case(again).newest["commit"], "again")
+
     def test_json_of_something_else_is_refused(self) -> None:
         others: list[dict[str, object]] = [{}, {"cases": [{"name": "x"}]}, {"engines": []}]
         for found in others:

@@ -32,15 +32,17 @@ class Reference(unittest.TestCase):
                          "run /usr/bin/python3 -B proto/reference.py")
 
     def test_every_field_is_read(self) -> None:
+        """By its name, so that a field passes where something else of that name is read. Checks of a scene do not count."""
         text = "\n".join(path.read_text() for room in ("coupler", "shell", "rigid") for path in sorted((TOP / room).rglob("*"))
-                         if path.suffix in (".cpp", ".h", ".py", ".mjs"))
+                         if path.suffix in (".cpp", ".h", ".py", ".mjs")
+                         and not path.name.startswith(("validate", "unit_warnings")))
         # calls NAME(), has_NAME(), NAME_size(); members of Python's and JavaScript's messages; names in quotes; an extension
         read = set(re.findall(r"\b(?:has_|mutable_)?(\w+?)(?:_size)?\(|\.(\w+)|\"(\w+)\"|proto::(\w+)", text))
         names = {name for found in read for name in found}
         fields = {match[1] for path in (TOP / "proto").glob("*.proto")
                   for match in re.finditer(r"^\s+(?:optional |repeated )?(?:map<[^>]*>|[\w.]+) (\w+) = \d+", path.read_text(), re.MULTILINE)}
         self.assertGreater(len(fields), 250)
-        self.assertEqual(fields - names, set(), "a field that nothing reads")
+        self.assertEqual(fields - names, {"slit"}, "a field that nothing reads")  # `slit`: is_closed, beside its checks
 
     def test_every_schema_is_in_it(self) -> None:
         self.assertEqual(sorted(p.stem for p in (TOP / "proto").glob("*.proto")),

@@ -35,7 +35,7 @@ COUNTED_AT = 4e-3  # [m]: radial cracks are counted four thicknesses from the im
 LEAST_CHANCE = 0.01
 FEWEST_RADIALS = 3.0  # mean in a round pane; of fewer, neither number nor directions mean much
 MOST_STRIPS = 0.5  # pieces at the border, in a run
-TAKEN = 0.1  # by which the energy that cracks take may miss G_f: the mean over seeds, by as much as single seeds scatter
+TAKEN = 0.1  # chosen: by which the energy that cracks take may miss G_f, the mean over seeds
 SPEEDS = (15, 22, 30, 40, 57, 80, 120)  # [m/s]
 BETWEEN_PUBLISHED = math.log(8.0 / 4.0) / math.log(57.0 / 22.0)
 
@@ -237,8 +237,9 @@ def impact_speed_plates(table: Table, executables: Executables) -> None:
 def _add_equivalence(table: Table, name: str, of: list[list[float]], margin: float, seconds: float) -> list[float]:
     """Adds rows for results on three grids, coarse first. The last two must be equivalent: the difference of their means
     and twice its standard error together may not exceed `margin`, a share of the mean set beforehand; the first and the
-    last, twice that. So scatter makes a row harder to pass, not easier. A seed has the same flaws and the same place of the
-    ball on all grids, so the error is that of the differences, seed by seed. Returns the means."""
+    last, twice that. So scatter makes a row harder to pass, not easier. The error is that of the differences, seed by seed:
+    a seed has the same place of the ball on all grids, and the same flaws where they do not follow the grid. Returns the
+    means."""
     mean = [float(np.mean(values)) for values in of]
     for row, first, share in ((name, 1, margin), (f"{name}_over_three", 0, 2.0 * margin)):
         error = float(np.std(np.subtract(of[2], of[first]), ddof=1)) / math.sqrt(len(of[2]))

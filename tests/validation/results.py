@@ -53,8 +53,8 @@ class Result:
 
     @property
     def newest(self) -> dict[str, object]:
-        """Returns the circumstances of the newest run."""
-        return max((run.circumstances for run in self.runs.values()), key=lambda with_: str(with_.get("date")))
+        """Returns the circumstances of the newest run; of several of one day, those of the one that was recorded last."""
+        return max((run.circumstances for run in reversed(self.runs.values())), key=lambda with_: str(with_.get("date")))
 
     def with_case(self, other: Result) -> Result:
         """Returns these results with those of a run of one case in the place of that case's earlier ones."""
@@ -69,7 +69,8 @@ class Result:
         stays = [not replaced(row) for row in self.rows]
         place = stays.index(False) if False in stays else len(stays)
         kept = [row for row, stay in zip(self.rows, stays) if stay]
-        runs = {case: run for case, run in self.runs.items() if any(row["run"] == case for row in kept)}
+        runs = {case: run for case, run in self.runs.items()
+                if case not in other.runs and any(row["run"] == case for row in kept)}
         known = {*self.runs, *other.runs}
         left = [] if WHOLE in known else [case for case in other.left or self.left if case not in known]
         return Result(self.suite, runs | other.runs, kept[:place] + other.rows + kept[place:], left=left)
