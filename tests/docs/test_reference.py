@@ -42,7 +42,7 @@ class Reference(unittest.TestCase):
         fields = {match[1] for path in (TOP / "proto").glob("*.proto")
                   for match in re.finditer(r"^\s+(?:optional |repeated )?(?:map<[^>]*>|[\w.]+) (\w+) = \d+", path.read_text(), re.MULTILINE)}
         self.assertGreater(len(fields), 250)
-        self.assertEqual(fields - names, {"slit"}, "a field that nothing reads")  # `slit`: is_closed, beside its checks
+        self.assertEqual(fields - names, {"slit"}, "fields that nothing reads but checks")  # `slit`: is_closed is among them
 
     def test_every_schema_is_in_it(self) -> None:
         self.assertEqual(sorted(p.stem for p in (TOP / "proto").glob("*.proto")),

@@ -86,7 +86,7 @@ def wavelength(graph: Graph) -> float:
 
 
 def blunt_tool(table: Table, executables: Executables) -> None:
-    """Pushes tools of three widths, and one at twice the speed, through the same film."""
+    """Pushes tools of three widths, and one at twice the speed, through a film that is damped alike in all."""
     found, graphs = [], []
     for width, speed in RUNS:
         with tempfile.TemporaryDirectory(prefix="validate-sunder-") as place:
