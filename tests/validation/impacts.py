@@ -249,14 +249,14 @@ def _add_equivalence(table: Table, name: str, of: list[list[float]], margin: flo
 
 
 def refinement(table: Table, executables: Executables) -> None:
-    """Runs scenes/acrylic.textproto on three grids, SEEDS seeds each. At 57 m/s the ball is through before the end."""
+    """Runs scenes/acrylic.textproto at 40 m/s on three grids, SEEDS seeds each, until the plate has stopped the ball."""
     found: dict[int, dict[str, list[float]]] = {}
     grids = (50, 75, 110)
     for elements in grids:
         here: dict[str, list[float]] = {"surface": [], "length": [], "fragments": [], "residual_speed": [], "fracture": [], "residual": []}
         seconds = 0.0
         for seed in range(1, SEEDS + 1):
-            graph, run, back, took = _struck(executables, "acrylic.textproto", seed, ["bodies[pellet].twist.linear.z=-57", "end_time_s=2e-4"] + [
+            graph, run, back, took = _struck(executables, "acrylic.textproto", seed, ["end_time_s=3e-4"] + [
                 f"shells[plate].plate.elements_{axis}={elements}" for axis in "xy"])
             seconds += took
             here["surface"].append(run["cracks"]["surface_total_m2"])
