@@ -294,7 +294,7 @@ class Shattering:
 
 
 # A heavy ball breaks a plate of acrylic into sectors. Its cracks should dissipate the energy that their area needs. The
-# surface of one run scatters by a fifth: twice the standard error of fewer seeds is more than the margin.
+# surface of one run scatters by a sixth: twice the standard error of fewer seeds is more than the margin.
 SNAPPED = Shattering("snapped", "acrylic.textproto", "plate", "pellet", (44, 66, 96), (
     "bodies[pellet].sphere.radius_m=0.008", "bodies[pellet].pose.position.z=0.00851",
     "bodies[pellet].twist.linear.z=-20", "end_time_s=8e-4", "output.frame_interval_s=2e-4"), True, 64)
